@@ -119,7 +119,7 @@ pub fn model(document: &Document, files: &mut Files) -> Result<Model, FormatErro
 }
 
 struct Reader<'a> {
-    document: &'a Document,
+    document: &'a Document<'a>,
     settings: Settings,
     meshes: Meshes,
     kept: Vec<Kept>,
@@ -144,12 +144,12 @@ struct Stand {
     childclass: Option<String>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn model(&mut self, files: &mut Files) {
         let document = self.document;
         self.account(&document.root);
         for section in &document.root.children {
-            let tag = section.tag.as_str();
+            let tag = section.tag;
             if KEPT_SECTIONS.contains(&tag) {
                 continue;
             }
@@ -169,7 +169,7 @@ impl Reader<'_> {
         }
         for section in document.sections("asset") {
             for asset in &section.children {
-                match asset.tag.as_str() {
+                match asset.tag {
                     "mesh" => self.mesh(asset),
                     tag if KEPT_ASSETS.contains(&tag) => {
                         if tag == "material" {
@@ -271,7 +271,7 @@ impl Reader<'_> {
     }
 
     fn unknown<'n>(&mut self, item: &Item, names: impl Iterator<Item = &'n str>) {
-        let advice = match nearest_name(&item.tag, names) {
+        let advice = match nearest_name(item.tag, names) {
             Some(near) => format!("did you mean <{near}>?"),
             None => "remove it, or correct its name".into(),
         };
@@ -282,18 +282,18 @@ impl Reader<'_> {
 
     /// Counts what is understood of an element that is translated, keeps what is known, reports what is not.
     fn account(&mut self, item: &Item) {
-        self.account_as(item, &item.tag, item.get("name"));
+        self.account_as(item, item.tag, item.get("name"));
     }
 
     fn account_as(&mut self, item: &Item, tag: &str, name: Option<&str>) {
         self.understood += 1;
         let Some(known) = known::known(tag) else { return };
         for (attribute, value) in &item.attributes {
-            if known.read.contains(&attribute.as_str()) {
+            if known.read.contains(attribute) {
                 self.understood += 1;
                 continue;
             }
-            let is_known = known.kept.contains(&attribute.as_str());
+            let is_known = known.kept.contains(attribute);
             let why = if is_known {
                 "URDF has no such attribute; it changes no pose, mass or limit".to_owned()
             } else {
@@ -321,14 +321,14 @@ impl Reader<'_> {
     /// Defaults are read with the elements that they are of; here only what nobody would read is found.
     fn default(&mut self, item: &Item) {
         self.understood += 1;
-        for (attribute, _) in item.attributes.iter().filter(|(name, _)| name != "class") {
+        for (attribute, _) in item.attributes.iter().filter(|(name, _)| *name != "class") {
             let what = format!("attribute {attribute} of <default>");
             let why = "is not understood and changes nothing here; a class has the attribute class alone".to_owned();
             let loss = Loss { place: self.document.place(item), what, why };
             self.kept.push(Kept { loss, text: String::new(), understood: false });
         }
         for child in &item.children {
-            match child.tag.as_str() {
+            match child.tag {
                 "default" => self.default(child),
                 tag if !OF_DEFAULT.contains(&tag) => self.unknown(child, OF_DEFAULT.iter().copied()),
                 tag => {
@@ -355,9 +355,9 @@ impl Reader<'_> {
 
     // Bodies.
 
-    fn inside(&mut self, parent: &Item, stand: &Stand, files: &mut Files) {
+    fn inside(&mut self, parent: &Item<'a>, stand: &Stand, files: &mut Files) {
         for item in &parent.children {
-            match item.tag.as_str() {
+            match item.tag {
                 "body" => self.body(item, stand, files),
                 "frame" => {
                     self.account(item);
@@ -395,7 +395,7 @@ impl Reader<'_> {
         self.good(item, pose)
     }
 
-    fn resolved(&mut self, item: &Item, stand: &Stand) -> Option<Item> {
+    fn resolved(&mut self, item: &Item<'a>, stand: &Stand) -> Option<Item<'a>> {
         match self.document.resolved(item, stand.childclass.as_deref()) {
             Ok(resolved) => Some(resolved),
             Err(error) => {
@@ -412,7 +412,7 @@ impl Reader<'_> {
         format!("{kind}_{count}")
     }
 
-    fn body(&mut self, item: &Item, stand: &Stand, files: &mut Files) {
+    fn body(&mut self, item: &Item<'a>, stand: &Stand, files: &mut Files) {
         let name = match item.get("name") {
             Some(name) => name.to_owned(),
             None => self.numbered("body"),
@@ -544,7 +544,7 @@ impl Reader<'_> {
         }
     }
 
-    fn joint(&mut self, item: &Item, stand: &Stand) {
+    fn joint(&mut self, item: &Item<'a>, stand: &Stand) {
         let resolved = if item.tag == "joint" { self.resolved(item, stand) } else { Some(item.clone()) };
         let Some(resolved) = resolved else { return };
         if stand.body == 0 {
@@ -588,20 +588,20 @@ impl Reader<'_> {
         let mut in_rad = resolved;
         if matches!(joint.kind, Kind::Hinge | Kind::Ball) {
             for (name, value) in &mut in_rad.attributes {
-                if name == "springref"
+                if *name == "springref"
                     && let Ok(angle) = value.trim().parse::<f64>()
                 {
-                    *value = (angle * self.settings.angles.unit).to_string();
+                    *value = (angle * self.settings.angles.unit).to_string().into();
                 }
             }
         }
         let name = joint.name.clone();
-        self.account_as(&in_rad, &item.tag, Some(&name));
+        self.account_as(&in_rad, item.tag, Some(&name));
         self.bodies[stand.body].joints.push(joint);
     }
 
     fn joint_of(&self, item: &Item, stand: &Stand) -> Result<Joint, String> {
-        let kind = match (item.tag.as_str(), item.get("type")) {
+        let kind = match (item.tag, item.get("type")) {
             ("freejoint", _) | (_, Some("free")) => Kind::Free,
             (_, None | Some("hinge")) => Kind::Hinge,
             (_, Some("slide")) => Kind::Slide,
@@ -648,7 +648,7 @@ impl Reader<'_> {
         })
     }
 
-    fn site(&mut self, item: &Item, stand: &Stand) {
+    fn site(&mut self, item: &Item<'a>, stand: &Stand) {
         let Some(resolved) = self.resolved(item, stand) else { return };
         let along = from_to(&resolved);
         let Some(along) = self.good(item, along) else { return };
@@ -674,10 +674,10 @@ impl Reader<'_> {
                 self.equality(item);
             }
         }
-        for section in document.root.children.iter().filter(|section| KEPT_SECTIONS.contains(&section.tag.as_str())) {
-            let tag = section.tag.clone();
+        for section in document.root.children.iter().filter(|section| KEPT_SECTIONS.contains(&section.tag)) {
+            let tag = section.tag;
             let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
-            if ["option", "size", "visual", "statistic"].contains(&tag.as_str()) {
+            if ["option", "size", "visual", "statistic"].contains(&tag) {
                 self.keep(section, "URDF says nothing of how a simulator works");
                 continue;
             }
@@ -686,7 +686,7 @@ impl Reader<'_> {
                 if tag == "actuator" {
                     self.actuator(&resolved);
                 }
-                let why = match tag.as_str() {
+                let why = match tag {
                     "tendon" => "URDF has no tendons; what they couple moves freely",
                     "actuator" => "URDF has no actuators; force and speed are in the joint's limits where they follow",
                     "sensor" => "URDF has no sensors of joints and sites",
@@ -704,11 +704,11 @@ impl Reader<'_> {
         self.bodies.iter_mut().flat_map(|body| &mut body.joints).find(|joint| joint.name == name)
     }
 
-    fn equality(&mut self, item: &Item) {
+    fn equality(&mut self, item: &Item<'a>) {
         let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
         let Some(resolved) = self.resolved(item, &nowhere) else { return };
         let known = ["connect", "weld", "joint", "tendon", "flex", "flexvert", "flexstrain"];
-        if !known.contains(&item.tag.as_str()) {
+        if !known.contains(&item.tag) {
             self.unknown(item, known.into_iter());
             return;
         }
@@ -721,7 +721,7 @@ impl Reader<'_> {
                 }
                 "the coupling is translated; that it is soft, and its name, URDF cannot say"
             }
-            Ok(false) => match item.tag.as_str() {
+            Ok(false) => match item.tag {
                 "joint" => "URDF couples joints by a factor and an offset alone; both move freely",
                 "connect" | "weld" => "URDF is a tree and closes no loop; every joint moves freely",
                 _ => "URDF has no such constraint; what it couples moves freely",
@@ -795,7 +795,7 @@ impl Reader<'_> {
             };
             let force = bound("forcerange", "forcelimited")?;
             let control = bound("ctrlrange", "ctrllimited")?;
-            let effort = match (force, item.tag.as_str()) {
+            let effort = match (force, item.tag) {
                 (Some(force), _) => Some(force * gear),
                 (None, "motor") => control.map(|control| control * gear),
                 _ => None,
@@ -819,7 +819,7 @@ impl Reader<'_> {
     /// Says where a position servo may be told to go beyond its joint's range.
     fn servo(&mut self, item: &Item, range: Option<(f64, f64)>) {
         let control = numbers(item, "ctrlrange", 2..=2).ok().flatten().filter(|control| control[0] < control[1]);
-        let (Some(control), Some((lower, upper)), "position") = (control, range, item.tag.as_str()) else { return };
+        let (Some(control), Some((lower, upper)), "position") = (control, range, item.tag) else { return };
         let room = BEYOND * (upper - lower);
         if control[0] < lower - room || control[1] > upper + room {
             let what = format!(

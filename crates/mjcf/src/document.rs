@@ -4,28 +4,49 @@ use crate::Files;
 use denavit_model::formats::FormatError;
 use denavit_model::notes::Place;
 use denavit_model::problems::nearest_name;
-use denavit_model::write::escaped;
-use roxmltree::{Document as Xml, Node, ParsingOptions};
+use denavit_model::write::escape;
+use roxmltree::{Document as Xml, Node, ParsingOptions, StringStorage};
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write as _;
 
 /// Deeper trees are refused: no robot has them, and every walk over them is a call of itself.
 const DEEPEST: usize = 500;
 
+/// An attribute's name and value, as the text has them where it can.
+pub type Attribute<'t> = (&'t str, Cow<'t, str>);
+
 /// An element.
 #[derive(Debug, Clone, Default)]
-pub struct Item {
-    pub tag: String,
-    pub attributes: Vec<(String, String)>,
-    pub children: Vec<Item>,
+pub struct Item<'t> {
+    pub tag: &'t str,
+    pub attributes: Vec<Attribute<'t>>,
+    pub children: Vec<Item<'t>>,
     pub text: String,
     /// File, as an index, and line.
     pub at: (usize, usize),
 }
 
-impl Item {
+/// Texts that are included, one behind another: each stays where it is while more are read.
+#[derive(Debug, Default)]
+pub struct Included {
+    text: OnceCell<String>,
+    next: OnceCell<Box<Included>>,
+}
+
+impl Included {
+    fn keep(&self, text: String) -> &str {
+        let mut last = self;
+        while last.text.get().is_some() {
+            last = last.next.get_or_init(Box::default);
+        }
+        last.text.get_or_init(|| text)
+    }
+}
+
+impl Item<'_> {
     pub fn get(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
+        self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| &**value)
     }
 
     /// How messages call it: `joint "elbow"`, `<option>`.
@@ -44,38 +65,46 @@ impl Item {
     }
 
     fn put(&self, out: &mut String) {
-        let _ = write!(out, "<{}", self.tag);
+        out.extend(["<", self.tag]);
         for (name, value) in &self.attributes {
-            let _ = write!(out, " {name}=\"{}\"", escaped(value));
+            out.extend([" ", name, "=\""]);
+            escape(out, value);
+            out.push('"');
         }
         if self.children.is_empty() && self.text.is_empty() {
             out.push_str("/>");
             return;
         }
         out.push('>');
-        out.push_str(&escaped(&self.text));
+        escape(out, &self.text);
         for child in &self.children {
             child.put(out);
         }
-        let _ = write!(out, "</{}>", self.tag);
+        out.extend(["</", self.tag, ">"]);
     }
 }
 
 /// Attributes by the tag that they are defaults of.
-type Class = BTreeMap<String, Vec<(String, String)>>;
+type Class<'t> = BTreeMap<&'t str, Vec<Attribute<'t>>>;
 
 /// A model's elements and classes.
 #[derive(Debug)]
-pub struct Document {
-    pub root: Item,
+pub struct Document<'t> {
+    pub root: Item<'t>,
     pub files: Vec<String>,
-    classes: HashMap<String, Class>,
+    classes: HashMap<String, Class<'t>>,
 }
 
 /// Reads a model and what it includes.
-pub fn read(file: &str, text: &str, files: &mut Files) -> Result<Document, FormatError> {
-    let mut names = vec![file.to_owned()];
-    let root = parsed(text, 0, &mut names, files)?;
+pub fn read<'t>(
+    file: &str,
+    text: &'t str,
+    included: &'t Included,
+    files: &mut Files,
+) -> Result<Document<'t>, FormatError> {
+    let mut reader = Reader { names: vec![file.to_owned()], included, files };
+    let root = reader.parsed(text, 0)?;
+    let names = reader.names;
     let mut document = Document { root, files: names, classes: HashMap::new() };
     if document.root.tag != "mujoco" {
         let what = format!(
@@ -88,74 +117,85 @@ pub fn read(file: &str, text: &str, files: &mut Files) -> Result<Document, Forma
     Ok(document)
 }
 
-fn parsed(text: &str, file: usize, names: &mut Vec<String>, files: &mut Files) -> Result<Item, FormatError> {
-    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
-    let xml = Xml::parse_with_options(text, options).map_err(|error| {
-        let place = Place { file: names[file].clone(), line: error.pos().row as usize, element: "file".into() };
-        FormatError::one(place, format!("not well-formed XML: {error}; correct it in this line"))
-    })?;
-    let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
-    item(xml.root_element(), file, &ends, names, files, 0)
+struct Reader<'t, 'f, 'g> {
+    names: Vec<String>,
+    included: &'t Included,
+    files: &'f mut Files<'g>,
 }
 
-fn item(
-    node: Node,
-    file: usize,
-    ends: &[usize],
-    names: &mut Vec<String>,
-    files: &mut Files,
-    depth: usize,
-) -> Result<Item, FormatError> {
-    let line = 1 + ends.partition_point(|end| *end < node.range().start);
-    let own = |attribute: roxmltree::Attribute| (attribute.name().to_owned(), attribute.value().to_owned());
-    let mut result = Item {
-        tag: node.tag_name().name().to_owned(),
-        attributes: node.attributes().map(own).collect(),
-        at: (file, line),
-        ..Item::default()
-    };
-    if depth > DEEPEST {
-        let place = Place { file: names[file].clone(), line, element: result.label() };
-        return Err(FormatError::one(
-            place,
-            format!("stands more than {DEEPEST} elements deep; no model is read that deep"),
-        ));
+impl<'t> Reader<'t, '_, '_> {
+    fn parsed(&mut self, text: &'t str, file: usize) -> Result<Item<'t>, FormatError> {
+        let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+        let xml = Xml::parse_with_options(text, options).map_err(|error| {
+            let place =
+                Place { file: self.names[file].clone(), line: error.pos().row as usize, element: "file".into() };
+            FormatError::one(place, format!("not well-formed XML: {error}; correct it in this line"))
+        })?;
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        self.item(xml.root_element(), file, &ends, 0)
     }
-    for child in node.children() {
-        if child.is_text() {
-            result.text.push_str(child.text().unwrap_or_default().trim());
+
+    fn item(&mut self, node: Node<'_, 't>, file: usize, ends: &[usize], depth: usize) -> Result<Item<'t>, FormatError> {
+        let line = 1 + ends.partition_point(|end| *end < node.range().start);
+        let own = |attribute: roxmltree::Attribute<'_, 't>| {
+            let value = match attribute.value_storage() {
+                StringStorage::Borrowed(value) => Cow::Borrowed(*value),
+                StringStorage::Owned(value) => Cow::Owned(value.to_string()),
+            };
+            (attribute.name(), value)
+        };
+        let mut result = Item {
+            tag: node.tag_name().name(),
+            attributes: node.attributes().map(own).collect(),
+            at: (file, line),
+            ..Item::default()
+        };
+        if depth > DEEPEST {
+            let place = Place { file: self.names[file].clone(), line, element: result.label() };
+            return Err(FormatError::one(
+                place,
+                format!("stands more than {DEEPEST} elements deep; no model is read that deep"),
+            ));
         }
-        if !child.is_element() {
-            continue;
+        for child in node.children() {
+            if child.is_text() {
+                result.text.push_str(child.text().unwrap_or_default().trim());
+            }
+            if !child.is_element() {
+                continue;
+            }
+            let child = self.item(child, file, ends, depth + 1)?;
+            if child.tag == "include" {
+                result.children.extend(self.include(&child, file)?);
+            } else {
+                result.children.push(child);
+            }
         }
-        let child = item(child, file, ends, names, files, depth + 1)?;
-        if child.tag != "include" {
-            result.children.push(child);
-            continue;
-        }
-        let place = Place { file: names[file].clone(), line: child.at.1, element: "<include>".into() };
-        let Some(name) = child.get("file") else {
+        Ok(result)
+    }
+
+    /// What stands in the file that an element includes.
+    fn include(&mut self, item: &Item, file: usize) -> Result<Vec<Item<'t>>, FormatError> {
+        let place = Place { file: self.names[file].clone(), line: item.at.1, element: "<include>".into() };
+        let Some(name) = item.get("file") else {
             return Err(FormatError::one(place, "the attribute `file` is missing; name the file to include"));
         };
-        if names.iter().any(|known| known == name) {
+        if self.names.iter().any(|known| known == name) {
             let what = format!("includes {name} a second time, which MuJoCo refuses; include it once");
             return Err(FormatError::one(place, what));
         }
-        let bytes = files(name).map_err(|why| {
+        let bytes = (self.files)(name).map_err(|why| {
             FormatError::one(place.clone(), format!("includes {name}, which cannot be read: {why}; put the file there"))
         })?;
         let text = String::from_utf8(bytes).map_err(|_| {
             FormatError::one(place, format!("includes {name}, which is no UTF-8 text; save it as UTF-8"))
         })?;
-        names.push(name.to_owned());
-        let index = names.len() - 1;
-        let included = parsed(&text, index, names, files)?;
-        result.children.extend(included.children);
+        self.names.push(name.to_owned());
+        Ok(self.parsed(self.included.keep(text), self.names.len() - 1)?.children)
     }
-    Ok(result)
 }
 
-impl Document {
+impl<'t> Document<'t> {
     pub fn place_of(&self, at: (usize, usize), element: impl Into<String>) -> Place {
         Place { file: self.files.get(at.0).cloned().unwrap_or_default(), line: at.1, element: element.into() }
     }
@@ -165,14 +205,14 @@ impl Document {
     }
 
     /// Sections of this name, in the order of the file.
-    pub fn sections<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Item> {
+    pub fn sections<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Item<'t>> {
         self.root.children.iter().filter(move |child| child.tag == tag)
     }
 
     fn collect_classes(&mut self) -> Result<(), FormatError> {
-        let mut classes: HashMap<String, Class> = HashMap::new();
+        let mut classes: HashMap<String, Class<'t>> = HashMap::new();
         classes.insert("main".into(), Class::new());
-        let mut open: Vec<(&Item, Option<String>)> = self.sections("default").map(|item| (item, None)).collect();
+        let mut open: Vec<(&Item<'t>, Option<String>)> = self.sections("default").map(|item| (item, None)).collect();
         open.reverse();
         while let Some((item, parent)) = open.pop() {
             let name = match (item.get("class"), &parent) {
@@ -189,10 +229,10 @@ impl Document {
                 None => classes.get("main").cloned().unwrap_or_default(),
             };
             for child in item.children.iter().filter(|child| child.tag != "default") {
-                let known = class.entry(child.tag.clone()).or_default();
+                let known = class.entry(child.tag).or_default();
                 for (attribute, value) in &child.attributes {
                     known.retain(|(other, _)| other != attribute);
-                    known.push((attribute.clone(), value.clone()));
+                    known.push((*attribute, value.clone()));
                 }
             }
             if parent.is_none() {
@@ -209,7 +249,7 @@ impl Document {
     }
 
     /// An element with its defaults written out: its own class, that of the bodies that it is in, or the main one.
-    pub fn resolved(&self, item: &Item, childclass: Option<&str>) -> Result<Item, FormatError> {
+    pub fn resolved(&self, item: &Item<'t>, childclass: Option<&str>) -> Result<Item<'t>, FormatError> {
         let name = item.get("class").or(childclass).unwrap_or("main");
         let Some(class) = self.classes.get(name) else {
             let near = nearest_name(name, self.classes.keys().map(String::as_str));
@@ -217,10 +257,10 @@ impl Document {
             return Err(FormatError::one(self.place(item), format!("there is no class \"{name}\"; {advice}")));
         };
         let mut result = item.clone();
-        result.attributes.retain(|(name, _)| name != "class");
-        for (attribute, value) in class.get(&item.tag).into_iter().flatten() {
+        result.attributes.retain(|(name, _)| *name != "class");
+        for (attribute, value) in class.get(item.tag).into_iter().flatten() {
             if result.get(attribute).is_none() && !overruled(item, attribute) {
-                result.attributes.push((attribute.clone(), value.clone()));
+                result.attributes.push((*attribute, value.clone()));
             }
         }
         Ok(result)

@@ -2,11 +2,10 @@
 
 use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
 use crate::document::Document;
-use crate::write::numbers;
 use denavit_model::formats::{Builder, Format};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};
-use denavit_model::write::{self, escaped};
+use denavit_model::write::{self, escape, escaped};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
@@ -51,12 +50,49 @@ fn is_nothing(pose: &Pose) -> bool {
     pose.translation.vector.amax() <= NOTHING && se3::rotation_angle(&pose.rotation) <= NOTHING
 }
 
-fn origin(pose: &Pose) -> String {
-    if is_nothing(pose) {
-        return String::new();
+fn origin(out: &mut String, pose: &Pose) {
+    if !is_nothing(pose) {
+        out.push_str("<origin xyz=\"");
+        numbers(out, pose.translation.vector.as_slice());
+        out.push_str("\" rpy=\"");
+        numbers(out, &se3::written_rpy(&pose.rotation));
+        out.push_str("\"/>");
     }
-    let rpy = se3::written_rpy(&pose.rotation);
-    format!("<origin xyz=\"{}\" rpy=\"{}\"/>", numbers(pose.translation.vector.as_slice()), numbers(&rpy))
+}
+
+/// Adds numbers with blanks between them, each so that it reads back as itself; -0 as 0.
+fn numbers(out: &mut String, values: &[f64]) {
+    for (index, value) in values.iter().enumerate() {
+        if index > 0 {
+            out.push(' ');
+        }
+        if *value == 0.0 {
+            out.push('0');
+        } else {
+            let _ = write!(out, "{value}");
+        }
+    }
+}
+
+fn attribute(out: &mut String, name: &str, value: f64) {
+    out.extend([" ", name, "=\""]);
+    numbers(out, &[value]);
+    out.push('"');
+}
+
+/// A `<joint>` up to its ends.
+fn opened(name: &str, kind: &str, parent: &str, child: &str, place: &Pose) -> String {
+    let mut text = String::with_capacity(500);
+    text.push_str("<joint name=\"");
+    escape(&mut text, name);
+    text.extend(["\" type=\"", kind, "\">"]);
+    origin(&mut text, place);
+    text.push_str("<parent link=\"");
+    escape(&mut text, parent);
+    text.push_str("\"/><child link=\"");
+    escape(&mut text, child);
+    text.push_str("\"/>");
+    text
 }
 
 struct Text {
@@ -86,16 +122,24 @@ impl Text {
         let name = escaped(&body.name);
         self.line(body.at, &format!("<link name=\"{name}\">"));
         if let Some((mass, at)) = &body.mass {
+            let mut text = String::with_capacity(500);
+            text.push_str("<inertial>");
+            if mass.centre != Vector3::zeros() {
+                text.push_str("<origin xyz=\"");
+                numbers(&mut text, mass.centre.as_slice());
+                text.push_str("\"/>");
+            }
+            text.push_str("<mass");
+            attribute(&mut text, "value", mass.mass);
+            text.push_str("/><inertia");
             let t = &mass.tensor;
-            let place = if mass.centre == Vector3::zeros() {
-                String::new()
-            } else {
-                format!("<origin xyz=\"{}\"/>", numbers(mass.centre.as_slice()))
-            };
-            let entries = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)];
-            let entries = entries.map(|(name, row, column)| format!(" {name}=\"{}\"", t[(row, column)] + 0.0)).concat();
-            let inertial = format!("<inertial>{place}<mass value=\"{}\"/><inertia{entries}/></inertial>", mass.mass);
-            self.line(*at, &inertial);
+            for (name, row, column) in
+                [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
+            {
+                attribute(&mut text, name, t[(row, column)]);
+            }
+            text.push_str("/></inertial>");
+            self.line(*at, &text);
         }
         for shape in &body.shapes {
             self.shape(shape);
@@ -111,16 +155,27 @@ impl Text {
 
     fn shape(&mut self, shape: &Shape) {
         let Some(geometry) = &shape.geometry else { return };
-        let name = shape.name.as_ref().map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
-        let content = format!("{}<geometry>{}</geometry>", origin(&shape.pose), write::geometry(geometry));
+        let mut content = String::new();
+        if let Some(name) = &shape.name {
+            content.push_str(" name=\"");
+            escape(&mut content, name);
+            content.push('"');
+        }
+        content.push('>');
+        origin(&mut content, &shape.pose);
+        content.extend(["<geometry>", &write::geometry(geometry), "</geometry>"]);
         if shape.seen {
-            let colour = shape.rgba.map_or_else(String::new, |rgba| {
-                format!("<material name=\"\"><color rgba=\"{}\"/></material>", numbers(&rgba))
-            });
-            self.line(shape.at, &format!("<visual{name}>{content}{colour}</visual>"));
+            let mut text = String::from("<visual") + &content;
+            if let Some(rgba) = &shape.rgba {
+                text.push_str("<material name=\"\"><color rgba=\"");
+                numbers(&mut text, rgba);
+                text.push_str("\"/></material>");
+            }
+            text.push_str("</visual>");
+            self.line(shape.at, &text);
         }
         if shape.collides {
-            self.line(shape.at, &format!("<collision{name}>{content}</collision>"));
+            self.line(shape.at, &["<collision", &content, "</collision>"].concat());
         }
     }
 
@@ -167,10 +222,9 @@ impl Text {
 
     fn fixed(&mut self, at: At, parent: &str, child: &str, pose: &Pose) {
         let name = Self::new_name(&mut self.joints, &format!("{child}_fixed"));
-        let (name, parent, child, place) = (escaped(&name), escaped(parent), escaped(child), origin(pose));
-        self.line(at, &format!(
-            "<joint name=\"{name}\" type=\"fixed\">{place}<parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
-        ));
+        let mut text = opened(&name, "fixed", parent, child, pose);
+        text.push_str("</joint>");
+        self.line(at, &text);
     }
 
     fn joint(&mut self, joint: &Joint, parent: &str, child: &str, place: &Pose) {
@@ -181,11 +235,11 @@ impl Text {
             Kind::Ball => "ball",
             Kind::Free => "floating",
         };
-        let (name, parent, child) = (escaped(&joint.name), escaped(parent), escaped(child));
-        let mut text = format!("<joint name=\"{name}\" type=\"{kind}\">{}", origin(place));
-        let _ = write!(text, "<parent link=\"{parent}\"/><child link=\"{child}\"/>");
+        let mut text = opened(&joint.name, kind, parent, child, place);
         if matches!(joint.kind, Kind::Hinge | Kind::Slide) {
-            let _ = write!(text, "<axis xyz=\"{}\"/>", numbers(joint.axis.as_slice()));
+            text.push_str("<axis xyz=\"");
+            numbers(&mut text, joint.axis.as_slice());
+            text.push_str("\"/>");
         }
         let bounds = [
             ("lower", joint.range.map(|range| range.0)),
@@ -193,10 +247,14 @@ impl Text {
             ("effort", joint.effort),
             ("velocity", joint.velocity),
         ];
-        let bounds: String =
-            bounds.iter().filter_map(|(name, value)| Some(format!(" {name}=\"{}\"", (*value)? + 0.0))).collect();
-        if !bounds.is_empty() {
-            let _ = write!(text, "<limit{bounds}/>");
+        if bounds.iter().any(|(_, value)| value.is_some()) {
+            text.push_str("<limit");
+            for (name, value) in bounds {
+                if let Some(value) = value {
+                    attribute(&mut text, name, value);
+                }
+            }
+            text.push_str("/>");
         }
         if let Some((driver, factor, offset)) = &joint.mimic {
             let driver = escaped(driver);

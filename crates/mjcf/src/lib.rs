@@ -47,7 +47,8 @@ pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 /// # Errors
 /// Everything that is wrong with the model, each with file, line, element and what to do.
 pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatError> {
-    let document = document::read(file, text, files)?;
+    let included = document::Included::default();
+    let document = document::read(file, text, &included, files)?;
     let model = bodies::model(&document, files)?;
     Ok(emit::urdf(&document, model))
 }

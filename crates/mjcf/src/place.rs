@@ -20,8 +20,8 @@ pub fn numbers(
     counts: std::ops::RangeInclusive<usize>,
 ) -> Result<Option<Vec<f64>>, String> {
     let Some(written) = item.get(attribute) else { return Ok(None) };
-    let mut found = Vec::new();
-    for word in written.split_whitespace() {
+    let mut found = Vec::with_capacity((*counts.end()).min(6));
+    for word in written.split_ascii_whitespace() {
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         let Some(number) = number else {
             return Err(format!("{attribute}=\"{written}\": \"{word}\" is no number; write a finite number"));

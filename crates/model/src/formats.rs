@@ -145,6 +145,8 @@ pub struct Translation {
     header: usize,
 }
 
+/// A record has about so many bytes, what is kept not counted.
+const RECORD: usize = 150;
 const OPENS: &str = "<?denavit-source ";
 const XML: &str = "<?xml version=\"1.0\"?>\n";
 
@@ -189,9 +191,10 @@ impl Translation {
                 "why" => reasons.push(plain(rest)),
                 "understood" => result.understood = rest.parse().ok()?,
                 "lines" => {
-                    for pair in rest.split('\t').filter(|pair| !pair.is_empty()) {
-                        let (file, line) = pair.split_once(':')?;
-                        result.lines.push((file.parse().ok()?, line.parse().ok()?));
+                    // Many short words: byte by byte.
+                    for pair in rest.as_bytes().split(|byte| *byte == b'\t').filter(|pair| !pair.is_empty()) {
+                        let colon = pair.iter().position(|byte| *byte == b':')?;
+                        result.lines.push((whole(&pair[..colon])?, whole(&pair[colon + 1..])?));
                     }
                 }
                 "note" => {
@@ -240,7 +243,9 @@ impl Translation {
     }
 
     fn instruction(&self) -> String {
-        let mut out = format!("{OPENS}{}\n", self.format.word());
+        let kept: usize = self.kept.iter().map(|kept| RECORD + kept.text.len()).sum();
+        let mut out = String::with_capacity(RECORD + kept + self.lines.len() * "\t0:1000".len());
+        out.extend([OPENS, self.format.word(), "\n"]);
         let mut record = |fields: &[&str]| {
             for (index, field) in fields.iter().enumerate() {
                 if index > 0 {
@@ -285,7 +290,8 @@ fn instruction(text: &str) -> Option<(std::ops::Range<usize>, usize, &str)> {
     let first = if text.starts_with("<?xml") { text.find("?>")? + "?>".len() } else { 0 };
     let start = first + (text[first..].len() - text[first..].trim_start().len());
     let inside = text[start..].strip_prefix(OPENS)?;
-    let end = inside.find("?>")?;
+    // No other `>` stands inside: see `quote`.
+    let end = inside.find('>')?.checked_sub(1).filter(|end| inside[*end..].starts_with('?'))?;
     let before = start + OPENS.len();
     let ends = before + end + "?>".len();
     let ends = ends + usize::from(text[ends..].starts_with('\n'));
@@ -308,7 +314,7 @@ pub fn as_urdf(text: &str) -> String {
 /// Adds text inside the instruction: no end of it, no field's or record's end, no tag.
 fn quote(out: &mut String, text: &str) {
     let mut rest = text;
-    while let Some(at) = rest.find(['\\', '\n', '\r', '\t', '<', '>']) {
+    while let Some(at) = rest.bytes().position(|byte| b"\\\n\r\t<>".contains(&byte)) {
         out.push_str(&rest[..at]);
         out.push_str(match rest.as_bytes()[at] {
             b'\\' => "\\\\",
@@ -321,6 +327,11 @@ fn quote(out: &mut String, text: &str) {
         rest = &rest[at + 1..];
     }
     out.push_str(rest);
+}
+
+/// A whole number in decimal digits.
+fn whole(digits: &[u8]) -> Option<usize> {
+    std::str::from_utf8(digits).ok()?.parse().ok()
 }
 
 fn plain(text: &str) -> String {
@@ -386,7 +397,7 @@ impl Builder {
         self.translation.lines.push(origin);
         let first = self.body.len();
         self.body.push_str(text);
-        if text.contains(['\n', '\r']) {
+        if text.contains('\n') || text.contains('\r') {
             let flat = self.body.split_off(first).replace(['\n', '\r'], " ");
             self.body.push_str(&flat);
         }
@@ -395,9 +406,7 @@ impl Builder {
 
     /// The URDF text, with its places inside.
     pub fn text(&self) -> String {
-        let mut text = XML.to_owned() + &self.translation.instruction();
-        text.push_str(&self.body);
-        text
+        [XML, &self.translation.instruction(), &self.body].concat()
     }
 }
 

@@ -24,7 +24,9 @@ pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
     let mut source = SourceText::new(file, text);
     dropped_before.clone_into(&mut source.dropped_before);
     let unbound = unbound_prefixes(&text[behind_instruction(text)..]);
-    if let (false, Some(at)) = (unbound.is_empty(), root_name_end(text)) {
+    if !unbound.is_empty()
+        && let Some(at) = root_name_end(text)
+    {
         let declarations: Vec<String> =
             unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
         let declaration = declarations.concat();
@@ -48,8 +50,8 @@ pub fn unbound_prefixes(text: &str) -> Vec<&str> {
     let names = |piece: &'_ str| {
         piece.len() - piece.trim_start_matches(|c: char| c.is_alphanumeric() || "_-.".contains(c)).len()
     };
-    for (at, _) in text.match_indices("xmlns:") {
-        let name = &text[at + "xmlns:".len()..];
+    for (at, _) in text.match_indices(':').filter(|(at, _)| text[..*at].ends_with("xmlns")) {
+        let name = &text[at + 1..];
         declared.push(&name[..names(name)]);
     }
     let mut markup = Markup::default();

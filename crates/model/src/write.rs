@@ -73,8 +73,14 @@ pub fn element(element: &Element) -> String {
 /// Text as it may stand between quotes or tags.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
+    escape(&mut out, text);
+    out
+}
+
+/// Adds text as it may stand between quotes or tags.
+pub fn escape(out: &mut String, text: &str) {
     let mut rest = text;
-    while let Some(at) = rest.find(['&', '<', '>', '"']) {
+    while let Some(at) = rest.bytes().position(|byte| b"&<>\"".contains(&byte)) {
         out.push_str(&rest[..at]);
         out.push_str(match rest.as_bytes()[at] {
             b'&' => "&amp;",
@@ -85,7 +91,6 @@ pub fn escaped(text: &str) -> String {
         rest = &rest[at + 1..];
     }
     out.push_str(rest);
-    out
 }
 
 /// Namespace prefixes in use.

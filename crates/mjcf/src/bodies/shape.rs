@@ -56,7 +56,7 @@ pub struct Meshes {
     solids: HashMap<String, Result<Solid, String>>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     pub(super) fn material(&mut self, item: &Item) {
         let rgba = numbers(item, "rgba", 4..=4);
         let Some(rgba) = self.good(item, rgba) else { return };
@@ -65,7 +65,7 @@ impl Reader<'_> {
         }
     }
 
-    pub(super) fn mesh(&mut self, item: &Item) {
+    pub(super) fn mesh(&mut self, item: &Item<'a>) {
         let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
         let Some(resolved) = self.resolved(item, &nowhere) else { return };
         let file = resolved.get("file").map(|file| self.settings.mesh_path(file));
@@ -111,7 +111,7 @@ impl Reader<'_> {
         }
     }
 
-    pub(super) fn geom(&mut self, item: &Item, stand: &Stand, files: &mut Files) {
+    pub(super) fn geom(&mut self, item: &Item<'a>, stand: &Stand, files: &mut Files) {
         let Some(resolved) = self.resolved(item, stand) else { return };
         let owner = self.bodies[stand.body].name.clone();
         let name = resolved.get("name").map(str::to_owned);
