@@ -347,3 +347,18 @@ fn verdicts_on_real_files_are_right() {
         }
     }
 }
+
+#[test]
+fn no_inertia_is_the_same_however_a_design_program_writes_it() {
+    let arm = |ixx: &str| {
+        format!(
+            "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"0.5\"/>
+            <inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>
+            <joint name=\"j\" type=\"continuous\"><origin xyz=\"0 0 1\"/><parent link=\"a\"/><child link=\"b\"/></joint></robot>"
+        )
+    };
+    assert!(same(&arm("-5.42101e-20"), &arm("0")));
+    assert!(!same(&arm("1e-9"), &arm("0")));
+    // A milligram of a millimetre's radius is no dust.
+    assert!(!same(&arm("1e-12"), &arm("0")));
+}

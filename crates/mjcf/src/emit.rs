@@ -2,6 +2,7 @@
 
 use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
 use crate::document::Document;
+use crate::mass::Mass;
 use denavit_model::formats::{Builder, Format};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};
@@ -80,19 +81,36 @@ fn attribute(out: &mut String, name: &str, value: f64) {
     out.push('"');
 }
 
+fn inertial(text: &mut String, mass: &Mass) {
+    text.push_str("<inertial>");
+    if mass.centre != Vector3::zeros() {
+        text.push_str("<origin xyz=\"");
+        numbers(text, mass.centre.as_slice());
+        text.push_str("\"/>");
+    }
+    text.push_str("<mass");
+    attribute(text, "value", mass.mass);
+    text.push_str("/><inertia");
+    let t = &mass.tensor;
+    for (name, row, column) in
+        [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
+    {
+        attribute(text, name, t[(row, column)]);
+    }
+    text.push_str("/></inertial>");
+}
+
 /// A `<joint>` up to its ends.
-fn opened(name: &str, kind: &str, parent: &str, child: &str, place: &Pose) -> String {
-    let mut text = String::with_capacity(500);
+fn open(text: &mut String, name: &str, kind: &str, parent: &str, child: &str, place: &Pose) {
     text.push_str("<joint name=\"");
-    escape(&mut text, name);
+    escape(text, name);
     text.extend(["\" type=\"", kind, "\">"]);
-    origin(&mut text, place);
+    origin(text, place);
     text.push_str("<parent link=\"");
-    escape(&mut text, parent);
+    escape(text, parent);
     text.push_str("\"/><child link=\"");
-    escape(&mut text, child);
+    escape(text, child);
     text.push_str("\"/>");
-    text
 }
 
 struct Text {
@@ -122,24 +140,7 @@ impl Text {
         let name = escaped(&body.name);
         self.line(body.at, &format!("<link name=\"{name}\">"));
         if let Some((mass, at)) = &body.mass {
-            let mut text = String::with_capacity(500);
-            text.push_str("<inertial>");
-            if mass.centre != Vector3::zeros() {
-                text.push_str("<origin xyz=\"");
-                numbers(&mut text, mass.centre.as_slice());
-                text.push_str("\"/>");
-            }
-            text.push_str("<mass");
-            attribute(&mut text, "value", mass.mass);
-            text.push_str("/><inertia");
-            let t = &mass.tensor;
-            for (name, row, column) in
-                [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
-            {
-                attribute(&mut text, name, t[(row, column)]);
-            }
-            text.push_str("/></inertial>");
-            self.line(*at, &text);
+            self.builder.line_by(*at, |text| inertial(text, mass));
         }
         for shape in &body.shapes {
             self.shape(shape);
@@ -155,27 +156,33 @@ impl Text {
 
     fn shape(&mut self, shape: &Shape) {
         let Some(geometry) = &shape.geometry else { return };
-        let mut content = String::new();
-        if let Some(name) = &shape.name {
-            content.push_str(" name=\"");
-            escape(&mut content, name);
-            content.push('"');
-        }
-        content.push('>');
-        origin(&mut content, &shape.pose);
-        content.extend(["<geometry>", &write::geometry(geometry), "</geometry>"]);
-        if shape.seen {
-            let mut text = String::from("<visual") + &content;
-            if let Some(rgba) = &shape.rgba {
-                text.push_str("<material name=\"\"><color rgba=\"");
-                numbers(&mut text, rgba);
-                text.push_str("\"/></material>");
+        let put = |text: &mut String, tag: &str| {
+            text.extend(["<", tag]);
+            if let Some(name) = &shape.name {
+                text.push_str(" name=\"");
+                escape(text, name);
+                text.push('"');
             }
-            text.push_str("</visual>");
-            self.line(shape.at, &text);
+            text.push('>');
+            origin(text, &shape.pose);
+            text.extend(["<geometry>", &write::geometry(geometry), "</geometry>"]);
+        };
+        if shape.seen {
+            self.builder.line_by(shape.at, |text| {
+                put(text, "visual");
+                if let Some(rgba) = &shape.rgba {
+                    text.push_str("<material name=\"\"><color rgba=\"");
+                    numbers(text, rgba);
+                    text.push_str("\"/></material>");
+                }
+                text.push_str("</visual>");
+            });
         }
         if shape.collides {
-            self.line(shape.at, &["<collision", &content, "</collision>"].concat());
+            self.builder.line_by(shape.at, |text| {
+                put(text, "collision");
+                text.push_str("</collision>");
+            });
         }
     }
 
@@ -222,9 +229,10 @@ impl Text {
 
     fn fixed(&mut self, at: At, parent: &str, child: &str, pose: &Pose) {
         let name = Self::new_name(&mut self.joints, &format!("{child}_fixed"));
-        let mut text = opened(&name, "fixed", parent, child, pose);
-        text.push_str("</joint>");
-        self.line(at, &text);
+        self.builder.line_by(at, |text| {
+            open(text, &name, "fixed", parent, child, pose);
+            text.push_str("</joint>");
+        });
     }
 
     fn joint(&mut self, joint: &Joint, parent: &str, child: &str, place: &Pose) {
@@ -235,7 +243,8 @@ impl Text {
             Kind::Ball => "ball",
             Kind::Free => "floating",
         };
-        let mut text = opened(&joint.name, kind, parent, child, place);
+        let mut text = String::with_capacity(500);
+        open(&mut text, &joint.name, kind, parent, child, place);
         if matches!(joint.kind, Kind::Hinge | Kind::Slide) {
             text.push_str("<axis xyz=\"");
             numbers(&mut text, joint.axis.as_slice());

@@ -329,17 +329,26 @@ fn quote(out: &mut String, text: &str) {
     out.push_str(rest);
 }
 
-/// A whole number in decimal digits.
+/// A whole number in decimal digits, some of them.
 fn whole(digits: &[u8]) -> Option<usize> {
-    std::str::from_utf8(digits).ok()?.parse().ok()
+    let digit = |number: usize, byte: &u8| {
+        let digit = byte.is_ascii_digit().then(|| usize::from(byte - b'0'))?;
+        number.checked_mul(10)?.checked_add(digit)
+    };
+    (!digits.is_empty()).then_some(digits)?.iter().try_fold(0, digit)
+}
+
+/// Where a byte of ASCII first is; texts here are short.
+fn find(text: &str, byte: u8) -> Option<usize> {
+    text.bytes().position(|other| other == byte)
 }
 
 fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
-    while let Some((before, behind)) = rest.split_once('\\') {
-        out.push_str(before);
-        let mut chars = behind.chars();
+    while let Some(at) = find(rest, b'\\') {
+        out.push_str(&rest[..at]);
+        let mut chars = rest[at + 1..].chars();
         match chars.next() {
             Some('n') => out.push('\n'),
             Some('r') => out.push('\r'),
@@ -358,11 +367,14 @@ fn plain(text: &str) -> String {
 /// The fields of a record; `None` where they are more or less.
 fn fields<const N: usize>(record: &str) -> Option<[&str; N]> {
     let mut found = [""; N];
-    let mut words = record.split('\t');
+    let mut rest = Some(record);
     for field in &mut found {
-        *field = words.next()?;
+        let own = rest?;
+        let end = find(own, b'\t');
+        *field = &own[..end.unwrap_or(own.len())];
+        rest = end.map(|end| &own[end + 1..]);
     }
-    words.next().is_none().then_some(found)
+    rest.is_none().then_some(found)
 }
 
 /// Builds the URDF text of a description in another format, line by line.
@@ -394,9 +406,15 @@ impl Builder {
     /// Adds a line of URDF, which comes from this file (an index into the translation's files) and line of the source. Line
     /// breaks in the text, which only stand between attributes or in them, become spaces.
     pub fn line(&mut self, origin: (usize, usize), text: &str) {
+        self.line_by(origin, |body| body.push_str(text));
+    }
+
+    /// As [`Builder::line`], with a text that is added to what is there.
+    pub fn line_by(&mut self, origin: (usize, usize), put: impl FnOnce(&mut String)) {
         self.translation.lines.push(origin);
         let first = self.body.len();
-        self.body.push_str(text);
+        put(&mut self.body);
+        let text = &self.body[first..];
         if text.contains('\n') || text.contains('\r') {
             let flat = self.body.split_off(first).replace(['\n', '\r'], " ");
             self.body.push_str(&flat);

@@ -138,8 +138,12 @@ fn words(value: &str) -> impl Iterator<Item = &str> {
 
 /// The numbers of an attribute as the file writes them.
 fn as_written<const N: usize>(value: &str) -> Option<[String; N]> {
-    let written: Vec<String> = words(value).map(str::to_owned).collect();
-    written.try_into().ok()
+    let mut found = [""; N];
+    let mut words = words(value);
+    for word in &mut found {
+        *word = words.next()?;
+    }
+    words.next().is_none().then(|| found.map(str::to_owned))
 }
 
 /// A quaternion whose length is off by more gets a note: less is rounding.

@@ -124,15 +124,15 @@ fn masses(found: &mut Matter, a: &Mechanism, b: &Mechanism, at: &Alignment, grou
     let links = |mass: &Mass| mass.shares.iter().map(|share| share.link.clone()).collect::<Vec<_>>();
     if links(&one) == links(&other) {
         for (share, now) in one.shares.iter().zip(&other.shares) {
-            share_changes(found, share, now, options);
+            share_changes(found, share, now, a.size, options);
         }
     } else {
-        share_changes(found, &one.sum(), &other.sum(), options);
+        share_changes(found, &one.sum(), &other.sum(), a.size, options);
     }
 }
 
-/// Compares a link's share, or the sum of a body's where links were split, joined or renamed.
-fn share_changes(found: &mut Matter, one: &Share, other: &Share, options: &Options) {
+/// Compares a link's share, or the sum of a body's where links were split, joined or renamed; `size` is the robot's, m.
+fn share_changes(found: &mut Matter, one: &Share, other: &Share, size: f64, options: &Options) {
     let link = &one.link;
     if (one.mass - other.mass).abs() > options.tolerance_mass * one.mass.abs() {
         let what = format!("mass {} kg to {} kg", shortest(one.mass), shortest(other.mass));
@@ -142,8 +142,11 @@ fn share_changes(found: &mut Matter, one: &Share, other: &Share, options: &Optio
     if moved > options.tolerance_m && (one.mass != 0.0 || other.mass != 0.0) {
         found.parts.push(part(link, PartKind::Inertial, format!("centre of mass moved by {}", words::length(moved))));
     }
-    let relative = (one.tensor - other.tensor).norm() / one.tensor.norm().max(other.tensor.norm());
-    if relative > options.tolerance_mass {
+    let changed = (one.tensor - other.tensor).norm();
+    let relative = changed / one.tensor.norm().max(other.tensor.norm());
+    // What a design program writes for no inertia, such as -5e-20, is 0.
+    let is_dust = changed <= f64::EPSILON * one.mass.min(other.mass) * size.powi(2);
+    if relative > options.tolerance_mass && !is_dust {
         let what = format!("inertia tensor changed by {} % of its norm", words::digits(100.0 * relative));
         found.parts.push(part(link, PartKind::Inertial, what));
     }
