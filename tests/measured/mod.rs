@@ -5,6 +5,7 @@ mod bad_input;
 mod closed_loop;
 mod contact;
 mod exports;
+#[cfg(feature = "calibrate")]
 mod sockets;
 mod watch;
 

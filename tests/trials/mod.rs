@@ -10,6 +10,7 @@ mod hand_eye;
 mod ik;
 mod json;
 mod large;
+#[cfg(feature = "calibrate")]
 mod library;
 mod measured_data;
 mod numbers;

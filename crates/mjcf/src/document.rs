@@ -175,7 +175,7 @@ impl<'t> Reader<'t, '_, '_> {
         Ok(result)
     }
 
-    /// What stands in the file that an element includes.
+    /// What the file holds that an element includes.
     fn include(&mut self, item: &Item, file: usize) -> Result<Vec<Item<'t>>, FormatError> {
         let place = Place { file: self.names[file].clone(), line: item.at.1, element: "<include>".into() };
         let Some(name) = item.get("file") else {

@@ -145,7 +145,7 @@ pub struct Translation {
     header: usize,
 }
 
-/// A record has about so many bytes, what is kept not counted.
+/// Bytes of a record, about, what is kept not counted.
 const RECORD: usize = 150;
 const OPENS: &str = "<?denavit-source ";
 const XML: &str = "<?xml version=\"1.0\"?>\n";
