@@ -57,6 +57,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "denavit-export",
             "denavit-compare",
             "denavit-calibrate",
+            "denavit-edit",
             "denavit-xacro",
             "denavit-load",
         ],

@@ -142,6 +142,8 @@ interface Answers {
     fix: { file: string; text: string; made: number };
     canonical: { text: string; notes: string[] };
     diff: { text: string; words: string };
+    edits: { operations: { name: string; usage: string; purpose: string }[] };
+    edit: { text: string; said: string[]; notes: string[] };
     columns: ColumnsAnswer;
     calibrate: Calibrated;
     effects: Possible;

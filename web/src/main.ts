@@ -7,6 +7,7 @@ import { App, called, chain, chains, type Panel } from "./app";
 import { Calibrate } from "./calibrate";
 import { Compare } from "./compare";
 import { h } from "./dom";
+import { Edit } from "./edit";
 import type { RobotText } from "./engine";
 import { areOne, basename, fromDrop, fromFiles, isFolder, isMesh, sandboxed, sorted, type Dropped, type Packages } from "./files";
 import { Joints } from "./joints";
@@ -21,7 +22,7 @@ import { See } from "./see";
 import { placed } from "./table";
 
 const app = new App();
-const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Learn(app)];
+const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Edit(app), new Learn(app)];
 let current = panels[0] as Panel;
 const ruler = new Ruler(app);
 const playback = new Playback(app, () => joints.refresh());

@@ -109,6 +109,13 @@ export class View {
         this.draw();
     }
 
+    /** Draws a robot, or leaves it out for a while. */
+    see(index: 0 | 1, shown: boolean): void {
+        const body = this.bodies[index];
+        if (body) body.group.visible = shown;
+        this.draw();
+    }
+
     /** Lights up a link of the robot and draws its frame; null: none. */
     lightUp(link: string | null): void {
         this.bodies[0]?.light(link);

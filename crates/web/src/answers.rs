@@ -1,7 +1,7 @@
 //! Each question and its answer.
 
 use crate::question::{Question, RobotText, table_options, units, without_scales};
-use crate::{effects, measured, twists};
+use crate::{edits, effects, measured, twists};
 use denavit_compare::lint;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options as Comparing, compare};
@@ -56,6 +56,8 @@ pub fn of(question: &Question) -> Result<Value, String> {
             let made = denavit_load::canonical(&robot, &source.file, &source.canonical_options()).map_err(words)?;
             Ok(json!({ "text": made.value, "notes": sentences(&made.notes) }))
         }
+        Question::Edits {} => Ok(edits::possible()),
+        Question::Edit { source, words } => edits::edited(source, words),
         Question::Diff { a, b } => diff(a, b),
         Question::Columns { source, data, units, map } => measured::columns(source, data, units, map.as_deref()),
         Question::Calibrate(asked) => measured::calibrated(asked),

@@ -7,6 +7,7 @@
 //! line has, too, are the same text as its `--json`. The documents of the answers are described in `docs/explorer.md`.
 
 mod answers;
+mod edits;
 mod effects;
 mod measured;
 mod memory;

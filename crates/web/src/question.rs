@@ -63,6 +63,15 @@ pub enum Question {
     },
     /// The URDF whose link frames are the D-H frames.
     Canonical(RobotText),
+    /// The operations that a robot can be edited by.
+    Edits {},
+    /// The robot's URDF, edited, and what is proved of it.
+    Edit {
+        /// The robot.
+        source: RobotText,
+        /// As `denavit edit` takes them: `zero`, `elbow_joint=90deg`.
+        words: Vec<String>,
+    },
     /// How two robots differ.
     Diff {
         /// One.
@@ -200,10 +209,12 @@ impl Question {
             | Self::Fk { source, .. }
             | Self::Tips { source, .. }
             | Self::Fix { source, .. }
+            | Self::Edit { source, .. }
             | Self::Columns { source, .. }
             | Self::Act { source, .. } => {
                 vec![source]
             }
+            Self::Edits {} => Vec::new(),
             Self::Diff { a, b } => vec![a, b],
             Self::Calibrate(asked) => vec![&asked.source],
             Self::Twist(asked) => vec![&asked.source],

@@ -392,7 +392,7 @@ def test_names_are_text_and_never_markup(explorer):
       <joint name="j{name}" type="revolute"><parent link="{name}"/><child link="b{name}"/><axis xyz="0 0 1"/>
       <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
     drop_robot(page, (f"{HOSTILE.replace('/', '')}.urdf", text.encode()))
-    for tab in ("Compare", "Calibrate", "Learn", "See"):
+    for tab in ("Compare", "Calibrate", "Edit", "Learn", "See"):
         page.click(f"#tab-{tab}")
         page.wait_for_timeout(300)
         assert page.locator("img, iframe, object, embed").count() == 0
@@ -521,7 +521,7 @@ def test_a_folder_of_packages_with_xacro_opens(explorer, tmp_path):
 def test_everything_has_a_name_and_the_keyboard_reaches_it(explorer):
     page = explorer()
     drop_robot(page, UR5E)
-    for tab in ("See", "Compare", "Calibrate", "Learn"):
+    for tab in ("See", "Compare", "Calibrate", "Edit", "Learn"):
         page.click(f"#tab-{tab}")
         page.wait_for_timeout(400)
         unnamed = page.evaluate(
@@ -554,7 +554,7 @@ def test_every_panel_fits(theme, width, size, explorer):
     drop_robot(page, UR5E)
     for name, value in (("shoulder_lift_joint", -1.1), ("elbow_joint", 1.3), ("wrist_1_joint", -0.8)):
         page.locator(f'input[data-joint="{name}"]').evaluate("(it, q) => { it.value = q; it.dispatchEvent(new Event('input')); }", value)
-    for tab in ("See", "Compare", "Calibrate", "Learn"):
+    for tab in ("See", "Compare", "Calibrate", "Edit", "Learn"):
         page.click(f"#tab-{tab}")
         if tab == "Compare":
             drop(page, ROBOTS / "universal_robots/ur5.urdf")

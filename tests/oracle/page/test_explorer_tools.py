@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from explorer_page import PAGE, ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import PAGE, ROBOTS, UR5E, browser, cli, downloaded, drawn, drop, drop_robot, explorer, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -225,3 +225,40 @@ def test_a_static_host_has_a_gallery_with_a_link_for_each_robot(explorer):
     expect(page.locator("#dh tbody tr").first).to_be_visible()
     assert page.title().startswith("iiwa14")
     expect(page.locator("#which option")).to_have_count(len(named))
+
+
+def test_an_edit_says_its_proof_and_gives_the_file_of_the_command_line(explorer, tmp_path):
+    page = explorer()
+    drop_robot(page, UR5E)
+    page.click("#tab-Edit")
+    expect(page.locator("#operation option")).to_contain_text(["flip", "zero", "reroot"])
+    shapes = "() => window.denavit.app.view.bodies.map((it) => it?.group.visible ?? false)"
+    for name, fields, words in (
+        ("zero", {"joint": "elbow_joint", "such as 90deg": "90deg"}, ["zero", "elbow_joint=90deg"]),
+        ("reroot", {"link": "tool0"}, ["reroot", "tool0"]),
+        ("mirror", {"which": "xz"}, ["mirror", "xz"]),
+    ):
+        page.select_option("#operation", name)
+        for label, value in fields.items():
+            field = page.locator(f'.panel [aria-label="{label}"]')
+            (field.fill if label.startswith("such") else field.select_option)(value)
+        page.click("#edit")
+        expect(page.locator("#proof")).to_contain_text("within")
+        cli("edit", UR5E, *words, "-o", tmp_path / "edited.urdf")
+        assert downloaded(page, "#download-edited")[0] == (tmp_path / "edited.urdf").read_text()
+        assert page.evaluate(shapes) == [False, True]
+        page.click("#seen-both")
+        assert page.evaluate(shapes) == [True, True]
+    shot(page, "edit")
+    # What cannot be done says why, and nothing is drawn of it.
+    page.select_option("#operation", "cut")
+    page.select_option('.panel [aria-label="link"]', "base")
+    page.click("#edit")
+    expect(page.locator("#refused")).to_contain_text("it is the root, so nothing would be left")
+    assert page.evaluate(shapes) == [True, False]
+    # An edit may be edited.
+    page.select_option("#operation", "prefix")
+    page.fill('.panel [aria-label="such as left_"]', "left_")
+    page.click("#edit")
+    page.click("#go-on")
+    expect(page.locator('input[data-joint="left_elbow_joint"]')).to_be_visible()
