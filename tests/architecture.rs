@@ -58,6 +58,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "denavit-compare",
             "denavit-calibrate",
             "denavit-edit",
+            "denavit-ik",
             "denavit-xacro",
             "denavit-load",
         ],

@@ -9,6 +9,18 @@ import { found, parsed } from "./meshes";
 /** What can be shown of a robot: its visual shapes, and what is drawn on demand. */
 export type Layer = "visual" | "collision" | "inertia" | "mass" | "axes" | "frames";
 
+/** How much of a phantom is seen. */
+export const FAINT = 0.13;
+/** Poses whose numbers differ by less are one to the eye. */
+const SAME = 1e-4;
+
+/** A robot in another posture, see-through; it has its shapes from the robot itself. */
+export interface Phantom {
+    group: Group;
+    material: MeshStandardMaterial;
+    move(value: (joint: number) => number): void;
+}
+
 export class Body {
     readonly group = new Group();
     /** Distance of the farthest link from the root with all joints at 0, m. */
@@ -16,6 +28,8 @@ export class Body {
     /** Meshes that are not among the dropped files, or cannot be read. */
     readonly missing: string[] = [];
     private readonly shapes: Object3D[] = [];
+    /** What stands for links without shapes. */
+    private readonly bones: Object3D[] = [];
     private readonly layers = new Map<Layer, Object3D[]>();
     /** Side by side in the group, each at its place in the root's frame: a tree of 4000 joints would be walked by recursion. */
     private readonly links: Group[];
@@ -105,6 +119,43 @@ export class Body {
 
     /** Moves the joints; `value` gives the value of a driving joint, rad or m. */
     move(value: (joint: number) => number): void {
+        this.stand(value, this.links, this.group);
+    }
+
+    /** The robot in another posture, see-through; the shapes are shared, and links that stand where the robot's own do are left out. */
+    phantom(value: (joint: number) => number): Phantom {
+        const material = new MeshStandardMaterial({ color: COLOURS.alpha, roughness: 0.9, transparent: true, opacity: FAINT, depthWrite: false, side: DoubleSide });
+        const group = new Group();
+        const drawn = new Set([...this.shapes, ...this.bones]);
+        const links = this.links.map((link) => {
+            const made = new Group();
+            made.matrixAutoUpdate = false;
+            for (const part of link.children) {
+                if (!drawn.has(part)) continue;
+                const copy = part.clone();
+                copy.visible = true;
+                made.add(copy);
+            }
+            if (link.parent) group.add(made);
+            return made;
+        });
+        group.traverse((part) => {
+            if (part instanceof Mesh) part.material = material;
+        });
+        const move = (value: (joint: number) => number) => {
+            this.stand(value, links, group);
+            for (const [at, link] of links.entries()) link.visible = this.apart(link.matrix, this.links[at]?.matrix) > SAME;
+        };
+        move(value);
+        return { group, material, move };
+    }
+
+    /** The largest difference of two poses' numbers, lengths as shares of the robot's size. */
+    private apart(one: Matrix4, other: Matrix4 = new Matrix4()): number {
+        return Math.max(...one.elements.map((value, at) => Math.abs(value - (other.elements[at] ?? 0)) / (at < 12 ? 1 : this.size)));
+    }
+
+    private stand(value: (joint: number) => number, links: Group[], group: Group): void {
         this.place((joint) => {
             const q = joint.driver === null ? joint.offset : joint.scale * value(joint.driver) + joint.offset;
             const axis = new Vector3(...joint.axis);
@@ -115,20 +166,20 @@ export class Body {
                 if (joint.pitch !== null) motion.setPosition(axis.clone().multiplyScalar(q * joint.pitch));
             }
             return motion;
-        });
+        }, links, group);
     }
 
     /** Places every link; `motion` is what a joint adds to its origin. */
-    private place(motion: (joint: SceneJoint) => Matrix4 | null): void {
+    private place(motion: (joint: SceneJoint) => Matrix4 | null, links = this.links, group = this.group): void {
         for (const at of this.outwards) {
             const joint = this.scene.joints[at];
-            const [parent, child] = [this.links[joint?.parent ?? -1], this.links[joint?.child ?? -1]];
+            const [parent, child] = [links[joint?.parent ?? -1], links[joint?.child ?? -1]];
             if (!joint || !parent || !child) continue;
             child.matrix.multiplyMatrices(parent.matrix, new Matrix4().fromArray(joint.origin));
             const moved = motion(joint);
             if (moved) child.matrix.multiply(moved);
         }
-        this.group.updateMatrixWorld(true);
+        group.updateMatrixWorld(true);
     }
 
     /** Shows or hides what is drawn on demand beside the shapes; made when it is first asked for. */
@@ -203,16 +254,20 @@ export class Body {
         const { size } = this;
         const bare = (link: number) => !seenLinks.has(link) && (seenLinks.size === 0 || this.missing.length > 0);
         const colour = this.other ? COLOURS.other : 0x7b8794;
+        const bone = (link: Group | undefined, made: Mesh) => {
+            link?.add(made);
+            this.bones.push(made);
+        };
         for (const joint of this.scene.joints) {
             const parent = this.links[joint.parent];
             const to = new Vector3().setFromMatrixPosition(new Matrix4().fromArray(joint.origin));
             if (to.length() > size * 1e-4) {
-                if (bare(joint.parent)) parent?.add(rod(new Vector3(), to, size * 0.012, colour));
+                if (bare(joint.parent)) bone(parent, rod(new Vector3(), to, size * 0.012, colour));
                 else parent?.add(segment(new Vector3(), to, colour, 0.7));
             }
             if (bare(joint.child) && joint.kind !== "fixed") {
                 const axis = new Vector3(...joint.axis).multiplyScalar(size * 0.045);
-                this.links[joint.child]?.add(rod(axis.clone().negate(), axis, size * 0.026, this.other ? COLOURS.other : 0x5b7fa6));
+                bone(this.links[joint.child], rod(axis.clone().negate(), axis, size * 0.026, this.other ? COLOURS.other : 0x5b7fa6));
             }
         }
     }

@@ -132,18 +132,28 @@ export interface ColumnsAnswer {
     taken: { column: string; taken_for: string }[];
 }
 
+export interface IkAnswer {
+    /** How the solutions were found. */
+    method: string;
+    /** If not, the one solution is the nearest that was found. */
+    reached: boolean;
+    /** Nearest first, those outside of limits last; joint values rad and m, in the chain's order. */
+    solutions: { joints: number[]; branch: string | null; within_limits: boolean; position_error_m: number; orientation_error_rad: number }[];
+}
+
 interface Answers {
     open: Opened;
     table: TableAnswer;
     poe: { text: string };
     twist: TwistAnswer;
     fk: { text: string };
+    ik: IkAnswer;
     check: { text: string; file: string; urdf: string; is_source: boolean };
     fix: { file: string; text: string; made: number };
     canonical: { text: string; notes: string[] };
     diff: { text: string; words: string };
     edits: { operations: { name: string; usage: string; purpose: string }[] };
-    edit: { text: string; said: string[]; notes: string[] };
+    edit: { text: string; said: string[]; notes: string[]; diff: string };
     columns: ColumnsAnswer;
     calibrate: Calibrated;
     effects: Possible;

@@ -16,6 +16,7 @@ import { unpacked } from "./meshes";
 import { chosenRobot, read, written } from "./permalink";
 import { Playback, recording } from "./playback";
 import { postures } from "./postures";
+import { Reach } from "./reach";
 import { effects } from "./report";
 import { Ruler } from "./ruler";
 import { See } from "./see";
@@ -25,11 +26,13 @@ const app = new App();
 const panels: Panel[] = [new See(app), new Compare(app), new Calibrate(app), new Edit(app), new Learn(app)];
 let current = panels[0] as Panel;
 const ruler = new Ruler(app);
+const reach = new Reach(app);
 const playback = new Playback(app, () => joints.refresh());
 const joints = new Joints(app, () => {
     current.moved?.();
     ruler.moved();
-}, { buttons: [ruler.button], below: [ruler.element, playback.element] });
+    reach.moved();
+}, { buttons: [reach.button, ruler.button], below: [reach.element, ruler.element, playback.element] });
 
 const busy = h("p", { class: "busy", hidden: true, role: "status" }, "reading …");
 const files = h("input", { type: "file", multiple: true, id: "files", "aria-label": "Files of a robot", change: () => void chosen(files) });
@@ -100,6 +103,7 @@ app.open = async (robot, meshes, packages) => {
         app.chosenRow = null;
         app.postures = [];
         ruler.turn(false);
+        reach.turn(false);
         playback.end();
         app.say("");
         start.hidden = true;
@@ -328,4 +332,4 @@ addEventListener("message", ({ data }: MessageEvent<unknown>) => {
 void app.trying(begin);
 
 // Figures for those who test the page.
-Object.assign(window, { denavit: { app, chain, chains, placed, effects } });
+Object.assign(window, { denavit: { app, chain, chains, placed, effects, reach } });

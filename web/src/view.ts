@@ -5,10 +5,11 @@ import {
     PerspectiveCamera, Raycaster, Scene as ThreeScene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { TransformControls } from "three/addons/controls/TransformControls.js";
 import { SVGRenderer } from "three/addons/renderers/SVGRenderer.js";
-import { Body, type Layer } from "./body";
+import { Body, FAINT, type Layer, type Phantom } from "./body";
 import { h, number, svg } from "./dom";
-import { clear, dispose, drawnStep, rod, segment, triad } from "./drawn";
+import { clear, COLOURS, dispose, drawnStep, rod, segment, triad } from "./drawn";
 import type { Scene } from "./engine";
 import type { Dropped, Packages } from "./files";
 import { type Label, Labels } from "./labels";
@@ -33,6 +34,12 @@ export interface Picked {
     local: Vector3;
 }
 
+/** The robot in another posture, and what it is called. */
+export interface Ghost {
+    words: string;
+    value: (joint: number) => number;
+}
+
 export class View {
     readonly element: HTMLElement;
     private readonly labels = new Labels();
@@ -47,6 +54,16 @@ export class View {
     private down = new Vector2();
     /** Told what of the robot is clicked, while somebody wants to know. */
     onpick: ((picked: Picked) => void) | undefined;
+    private grip: TransformControls | undefined;
+    /** Set by who wants a handle: makes one. */
+    grips: ((camera: PerspectiveCamera, canvas: HTMLCanvasElement) => TransformControls) | undefined;
+    /** What the grip moves. */
+    private readonly held = new Object3D();
+    private phantoms: (Phantom & { words: string })[] = [];
+    /** Told where the handle is dragged, and where it is let go. */
+    onhandle: ((pose: Matrix4) => void) | undefined;
+    /** Told which ghost is clicked. */
+    onghost: ((index: number) => void) | undefined;
     private readonly bodies: (Body | undefined)[] = [undefined, undefined];
     private readonly pointer = h("span", { class: "tag pointer", hidden: true });
     private readonly layers = new Map<Layer, boolean>();
@@ -84,14 +101,16 @@ export class View {
         return this.bodies[0]?.size ?? 1;
     }
 
-    /** Shows a robot in place `index`: 0 as itself, 1 as the other one of a comparison; null takes it away. */
-    show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/", packages: Packages = new Map()): void {
+    /** Shows a robot in place `index`: 0 as itself, 1 as the other one of a comparison, seen through unless it is `alone`; null takes it away. */
+    show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/", packages: Packages = new Map(), alone = false): void {
         this.start();
         if (index === 0) {
             // Frames and marks of the robot before are none of this one's.
             clear(this.pointed);
             this.frames([], "", null);
             this.marks([], []);
+            this.ghosts([]);
+            this.handle(null);
         }
         const old = this.bodies[index];
         if (old) {
@@ -100,7 +119,7 @@ export class View {
             this.bodies[index] = undefined;
         }
         if (scene) {
-            const body = new Body(scene, meshes, from, packages, index === 1);
+            const body = new Body(scene, meshes, from, packages, index === 1 && !alone);
             this.bodies[index] = body;
             for (const [name, shown] of this.layers) body.layer(name, shown);
             this.scene.add(body.group);
@@ -140,6 +159,16 @@ export class View {
         this.draw();
     }
 
+    /** Draws something without the handle. */
+    private without<T>(pen: () => T): T {
+        const grip = this.grip?.getHelper();
+        const shown = grip?.visible ?? false;
+        if (grip) grip.visible = false;
+        const drawn = pen();
+        if (grip) grip.visible = shown;
+        return drawn;
+    }
+
     /** The picture as it stands, PNG at twice the view's size at least; undefined where there is none. */
     async picture(): Promise<Blob | undefined> {
         const { renderer } = this;
@@ -148,7 +177,7 @@ export class View {
         const before = renderer.getPixelRatio();
         renderer.setPixelRatio(Math.max(2, before));
         renderer.setSize(width, height, false);
-        renderer.render(this.scene, this.camera);
+        this.without(() => renderer.render(this.scene, this.camera));
         this.labels.place(this.camera, width, height);
         const ratio = renderer.getPixelRatio();
         const paper = document.createElement("canvas");
@@ -177,7 +206,7 @@ export class View {
         pen.setPrecision(2);
         // This renderer counts light otherwise than the graphics card.
         this.light(INK);
-        pen.render(this.scene, this.camera);
+        this.without(() => pen.render(this.scene, this.camera));
         this.light(1 / INK);
         this.labels.place(this.camera, width, height);
         const drawing = pen.domElement as unknown as SVGElement;
@@ -185,6 +214,70 @@ export class View {
         drawing.prepend(paper);
         drawing.append(svg("g", { transform: `translate(${number(-width / 2)} ${number(-height / 2)})` }, ...this.labels.drawn(this.element)));
         return new XMLSerializer().serializeToString(drawing);
+    }
+
+    /** A handle that is dragged, at a pose in the root's frame; null takes it away. */
+    handle(pose: Matrix4 | null): void {
+        if (!pose) {
+            this.grip?.detach();
+            this.labels.set("handle", []);
+            this.draw();
+            return;
+        }
+        const grip = (this.grip ??= this.made());
+        if (!grip || grip.dragging) return;
+        pose.decompose(this.held.position, this.held.quaternion, this.held.scale);
+        this.held.updateMatrixWorld(true);
+        if (!grip.object) grip.attach(this.held);
+        this.draw();
+    }
+
+    /** Whether the handle is being dragged. */
+    get dragging(): boolean {
+        return this.grip?.dragging ?? false;
+    }
+
+    /** Whether the handle turns what it holds, or moves it. */
+    turns(on: boolean): void {
+        this.grip?.setMode(on ? "rotate" : "translate");
+        this.draw();
+    }
+
+    /** Words beside the handle; none: no words. */
+    warn(words: string): void {
+        this.labels.set("handle", words ? [{ at: this.held.position.clone(), words, kind: "pointer", first: true }] : []);
+        this.draw();
+    }
+
+    /** The robot in other postures, see-through. */
+    ghosts(shown: Ghost[]): void {
+        const body = this.bodies[0];
+        for (const { group, material } of this.phantoms.splice(body ? shown.length : 0)) {
+            this.scene.remove(group);
+            material.dispose();
+        }
+        for (const [at, { words, value }] of shown.entries()) {
+            const old = this.phantoms[at];
+            if (old) {
+                old.words = words;
+                old.move(value);
+            } else if (body) {
+                const made = body.phantom(value);
+                this.scene.add(made.group);
+                this.phantoms.push({ ...made, words });
+            }
+        }
+        this.draw();
+    }
+
+    /** The ghost under the pointer, where nothing of the robot is before it. */
+    private ghostUnder(ray: Raycaster): number | undefined {
+        const [body] = this.bodies;
+        if (this.phantoms.length === 0 || !body || this.grip?.axis) return undefined;
+        const nearest = (group: Group) => ray.intersectObject(group, true).find((hit) => seen(hit.object) && hit.object instanceof Mesh)?.distance ?? Infinity;
+        const apart = this.phantoms.map(({ group }) => nearest(group));
+        const least = Math.min(...apart);
+        return least < nearest(body.group) ? apart.indexOf(least) : undefined;
     }
 
     private light(factor: number): void {
@@ -342,6 +435,7 @@ export class View {
         canvas.addEventListener("click", (event) => {
             this.hover(event);
             this.pick(event);
+            this.take(event);
         });
         canvas.addEventListener("pointerdown", (event) => this.down.set(event.clientX, event.clientY));
         canvas.addEventListener("pointerleave", (event) => {
@@ -349,6 +443,29 @@ export class View {
         });
         this.element.addEventListener("keydown", (event) => this.turn(event));
         this.resize();
+    }
+
+    /** The handle, not yet shown; while it is dragged the view does not turn. */
+    private made(): TransformControls | undefined {
+        const grip = this.renderer && this.grips?.(this.camera, this.renderer.domElement);
+        if (!grip) return undefined;
+        grip.setSpace("local");
+        grip.setSize(1.1);
+        grip.setColors(COLOURS.x, COLOURS.y, COLOURS.z, COLOURS.a);
+        grip.addEventListener("change", () => this.draw());
+        grip.addEventListener("dragging-changed", ({ value }) => {
+            if (this.controls) this.controls.enabled = value !== true;
+            if (value === true) this.unhover();
+            else this.tellHandle();
+        });
+        grip.addEventListener("objectChange", () => this.tellHandle());
+        this.scene.add(this.held, grip.getHelper());
+        return grip;
+    }
+
+    private tellHandle(): void {
+        this.held.updateMatrixWorld(true);
+        this.onhandle?.(this.held.matrixWorld.clone());
     }
 
     private resize(): void {
@@ -385,6 +502,13 @@ export class View {
         if (hit && link !== undefined && pose) this.onpick({ words: link, link, row: null, local: hit.point.clone().applyMatrix4(pose.clone().invert()) });
     }
 
+    /** A click on a ghost. */
+    private take(event: MouseEvent): void {
+        if (this.onpick || this.down.distanceTo(new Vector2(event.clientX, event.clientY)) > STILL) return;
+        const ghost = this.ghostUnder(this.ray(event));
+        if (ghost !== undefined) this.onghost?.(ghost);
+    }
+
     /** The row whose frame has its origin next to the pointer. */
     private rowUnder(event: MouseEvent): number | undefined {
         const box = this.element.getBoundingClientRect();
@@ -404,11 +528,18 @@ export class View {
         const row = rows.map((hit) => owner(hit.object, "row")).find((found) => found !== undefined) as number | undefined;
         const body = this.bodies[0];
         const link = body && ray.intersectObject(body.group, true).map((hit) => owner(hit.object, "link")).find((found) => found !== undefined);
-        const words = row !== undefined ? `frame ${this.rowNames[row] ?? row}` : typeof link === "string" ? link : "";
+        const ghost = row === undefined ? this.ghostUnder(ray) : undefined;
+        for (const [at, { material }] of this.phantoms.entries()) {
+            const opacity = at === ghost ? 3 * FAINT : FAINT;
+            if (material.opacity === opacity) continue;
+            material.opacity = opacity;
+            this.draw();
+        }
+        const words = row !== undefined ? `frame ${this.rowNames[row] ?? row}` : ghost !== undefined ? (this.phantoms[ghost]?.words ?? "") : typeof link === "string" ? link : "";
         if (words !== this.hovered) {
             this.hovered = words;
             this.onrow(row ?? null);
-            this.point(row === undefined && typeof link === "string" ? link : null);
+            this.point(row === undefined && ghost === undefined && typeof link === "string" ? link : null);
         }
         this.pointer.textContent = words;
         this.pointer.hidden = words === "";
@@ -434,6 +565,7 @@ export class View {
             this.point(null);
         }
         this.hovered = "";
+        for (const { material } of this.phantoms) material.opacity = FAINT;
     }
 
     /** Arrow keys turn the view, + and - come near and go away. */

@@ -1,7 +1,7 @@
 //! Each question and its answer.
 
 use crate::question::{Question, RobotText, table_options, units, without_scales};
-use crate::{edits, effects, measured, twists};
+use crate::{edits, effects, measured, reach, twists};
 use denavit_compare::lint;
 use denavit_compare::report::{self, Report};
 use denavit_compare::{Options as Comparing, compare};
@@ -42,6 +42,7 @@ pub fn of(question: &Question) -> Result<Value, String> {
             let tips: Vec<Value> = q.iter().map(|row| json!(chain.fk(row).translation.vector.as_slice())).collect();
             Ok(json!({ "tips": tips }))
         }
+        Question::Ik(asked) => reach::reached(asked),
         Question::Check(source) => check(source),
         Question::Fix { source, only } => {
             let (file, text, findings) = findings(source)?;
@@ -57,7 +58,7 @@ pub fn of(question: &Question) -> Result<Value, String> {
             Ok(json!({ "text": made.value, "notes": sentences(&made.notes) }))
         }
         Question::Edits {} => Ok(edits::possible()),
-        Question::Edit { source, words } => edits::edited(source, words),
+        Question::Edit { source, words, other } => edits::edited(source, words, other.as_ref()),
         Question::Diff { a, b } => diff(a, b),
         Question::Columns { source, data, units, map } => measured::columns(source, data, units, map.as_deref()),
         Question::Calibrate(asked) => measured::calibrated(asked),

@@ -2,11 +2,11 @@
 
 use crate::answers::words;
 use crate::question::RobotText;
-use denavit_edit::{Files, OPERATIONS, Operation, Words, apply};
+use denavit_edit::{Files, OPERATIONS, Operation, Text, Words, apply, unified_diff};
 use serde_json::{Value, json};
 
-/// Operations that take a second file, or what mesh files hold, which a page has not.
-const OF_FILES: [&str; 4] = ["attach", "set-calibration", "simplify-collision", "meshes"];
+/// Operations that take a maker's file or what mesh files hold, which a page has not.
+const OF_FILES: [&str; 3] = ["set-calibration", "simplify-collision", "meshes"];
 
 /// The operations that a page can do: `name`, `usage`, `purpose` of each.
 pub fn possible() -> Value {
@@ -16,12 +16,19 @@ pub fn possible() -> Value {
     json!({ "operations": operations })
 }
 
-/// The edited `text`, what is proved of it in `said`, and what else is to be said in `notes`.
-pub fn edited(source: &RobotText, asked: &[String]) -> Result<Value, String> {
-    let (file, text) = source.urdf()?;
-    let operation = Words::of(asked.iter().cloned()).and_then(|words| Operation::of(&words)).map_err(words)?;
-    let done = apply(&Files::urdf(file, text), &[operation]).map_err(words)?;
+/// The edited `text`, what is proved of it in `said`, what else is to be said in `notes`, and the lines that differ in `diff`.
+/// `other` is the robot that one of the words names.
+pub fn edited(source: &RobotText, asked: &[String], other: Option<&RobotText>) -> Result<Value, String> {
+    let text = |source: &RobotText| source.urdf().map(|(file, text)| Text { file, text });
+    let before = text(source)?;
+    let mut line = Words::of(asked.iter().cloned()).map_err(words)?;
+    if line.takes_a_robot() {
+        line.other = other.map(text).transpose()?;
+    }
+    let operation = Operation::of(&line).map_err(words)?;
+    let done = apply(&Files::urdf(before.file.clone(), before.text.clone()), &[operation]).map_err(words)?;
     let said: Vec<String> = done.reports.iter().map(ToString::to_string).collect();
     let notes: Vec<&String> = done.reports.iter().flat_map(|report| &report.notes).collect();
-    Ok(json!({ "text": done.files.urdf.text, "said": said, "notes": notes }))
+    let diff = unified_diff(&before, &done.files.urdf);
+    Ok(json!({ "text": done.files.urdf.text, "said": said, "notes": notes, "diff": diff }))
 }

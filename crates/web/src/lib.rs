@@ -12,6 +12,7 @@ mod effects;
 mod measured;
 mod memory;
 mod question;
+mod reach;
 mod twists;
 
 pub use question::{Question, RobotText};

@@ -52,6 +52,8 @@ pub enum Question {
         /// Joint values of each, rad and m, in the chain's order.
         q: Vec<Vec<f64>>,
     },
+    /// Joint values that reach a pose.
+    Ik(Reach),
     /// The rules.
     Check(RobotText),
     /// The text with one finding fixed, or all.
@@ -71,6 +73,8 @@ pub enum Question {
         source: RobotText,
         /// As `denavit edit` takes them: `zero`, `elbow_joint=90deg`.
         words: Vec<String>,
+        /// The other robot, where the operation takes one.
+        other: Option<RobotText>,
     },
     /// How two robots differ.
     Diff {
@@ -124,6 +128,17 @@ pub struct Calibrate {
     pub effects: String,
     /// Share of rows to hold out.
     pub hold_out: Option<f64>,
+}
+
+/// Where the tip is wanted.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Reach {
+    /// The robot.
+    pub source: RobotText,
+    /// base_from_tip, 16 numbers column by column, m.
+    pub pose: [f64; 16],
+    /// Joint values to stay next to, rad and m, in the chain's order.
+    pub near: Vec<f64>,
 }
 
 /// A joint's axis moved by hand.
@@ -209,14 +224,15 @@ impl Question {
             | Self::Fk { source, .. }
             | Self::Tips { source, .. }
             | Self::Fix { source, .. }
-            | Self::Edit { source, .. }
             | Self::Columns { source, .. }
             | Self::Act { source, .. } => {
                 vec![source]
             }
+            Self::Edit { source, other, .. } => std::iter::once(source).chain(other).collect(),
             Self::Edits {} => Vec::new(),
             Self::Diff { a, b } => vec![a, b],
             Self::Calibrate(asked) => vec![&asked.source],
+            Self::Ik(asked) => vec![&asked.source],
             Self::Twist(asked) => vec![&asked.source],
         };
         let mut held = Held::default();

@@ -5,12 +5,13 @@ import io
 import json
 import math
 import re
+import subprocess
 import urllib.parse
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from explorer_page import PAGE, ROBOTS, UR5E, browser, cli, downloaded, drawn, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import PAGE, ROBOTS, UR5E, browser, cli, denavit, downloaded, drawn, drop, drop_robot, explorer, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -231,34 +232,71 @@ def test_an_edit_says_its_proof_and_gives_the_file_of_the_command_line(explorer,
     page = explorer()
     drop_robot(page, UR5E)
     page.click("#tab-Edit")
-    expect(page.locator("#operation option")).to_contain_text(["flip", "zero", "reroot"])
+    expect(page.locator("#operation option").first).to_have_text("flip")
+    offered = page.locator("#operation option").all_text_contents()
+    # Every operation of the program but those that need files which a page has not.
+    refused = subprocess.run([denavit(), "edit", UR5E, "nothing", "-o", tmp_path / "none.urdf"], capture_output=True, text=True)
+    known = re.search(r"there are (.*)", refused.stderr)[1].split(", ")
+    assert [*offered] == [name for name in known if name not in ("set-calibration", "simplify-collision", "meshes")]
     shapes = "() => window.denavit.app.view.bodies.map((it) => it?.group.visible ?? false)"
     for name, fields, words in (
-        ("zero", {"joint": "elbow_joint", "such as 90deg": "90deg"}, ["zero", "elbow_joint=90deg"]),
+        ("flip", {"joint": "wrist_1_joint"}, ["flip", "wrist_1_joint"]),
         ("reroot", {"link": "tool0"}, ["reroot", "tool0"]),
-        ("mirror", {"which": "xz"}, ["mirror", "xz"]),
+        ("rename", {"old": "tool0", "new": "hand"}, ["rename", "tool0=hand"]),
+        ("merge", {}, ["merge"]),
+        ("extract", {"link": "forearm_link"}, ["extract", "forearm_link"]),
+        ("canonical", {}, ["canonical"]),
+        ("origin", {"link": "tool0", "to": "0,0,10mm,0,0,90deg"}, ["origin", "tool0", "--to", "0,0,10mm,0,0,90deg"]),
+        ("scale", {"factor": "2"}, ["scale", "2"]),
+        ("mirror", {"plane": "xz", "names": "left=right"}, ["mirror", "xz", "--names", "left=right"]),
+        ("zero", {"joint": "elbow_joint", "value": "90deg"}, ["zero", "elbow_joint=90deg"]),
     ):
         page.select_option("#operation", name)
         for label, value in fields.items():
-            field = page.locator(f'.panel [aria-label="{label}"]')
-            (field.fill if label.startswith("such") else field.select_option)(value)
+            field = page.locator(f"#edit-{label}")
+            (field.select_option if field.evaluate("it => it.tagName") == "SELECT" else field.fill)(value)
         page.click("#edit")
-        expect(page.locator("#proof")).to_contain_text("within")
-        cli("edit", UR5E, *words, "-o", tmp_path / "edited.urdf")
+        expect(page.locator("#proof li").first).to_contain_text(name)
+        said = cli("edit", UR5E, *words, "-o", tmp_path / "edited.urdf")
+        assert "; ".join(page.locator("#proof li").all_text_contents()) == said.strip().splitlines()[-1]
         assert downloaded(page, "#download-edited")[0] == (tmp_path / "edited.urdf").read_text()
         assert page.evaluate(shapes) == [False, True]
         page.click("#seen-both")
         assert page.evaluate(shapes) == [True, True]
-    shot(page, "edit")
+        shot(page, f"edit-{name}")
+    page.click("#seen-before")
+    assert page.evaluate(shapes) == [True, False]
     # What cannot be done says why, and nothing is drawn of it.
     page.select_option("#operation", "cut")
-    page.select_option('.panel [aria-label="link"]', "base")
+    page.select_option("#edit-link", "base")
     page.click("#edit")
     expect(page.locator("#refused")).to_contain_text("it is the root, so nothing would be left")
+    expect(page.locator("#proof")).to_have_count(0)
     assert page.evaluate(shapes) == [True, False]
+    shot(page, "edit-refused")
     # An edit may be edited.
     page.select_option("#operation", "prefix")
-    page.fill('.panel [aria-label="such as left_"]', "left_")
+    page.fill("#edit-prefix", "left_")
     page.click("#edit")
     page.click("#go-on")
     expect(page.locator('input[data-joint="left_elbow_joint"]')).to_be_visible()
+
+
+def test_another_robot_is_put_on_the_flange(explorer, tmp_path):
+    page = explorer()
+    drop_robot(page, UR5E)
+    page.click("#tab-Edit")
+    page.select_option("#operation", "attach")
+    page.click("#edit")
+    expect(page.locator("#refused")).to_contain_text("write attach FILE --at LINK")
+    page.set_input_files("#edit-other", str(ROBOTS / "robotiq/2f_85.urdf"))
+    page.select_option("#edit-link", "tool0")
+    page.fill("#edit-pose", "0,0,10mm,0,0,90deg")
+    page.fill("#edit-prefix", "gripper_")
+    page.click("#edit")
+    expect(page.locator("#proof")).to_be_visible()
+    cli("edit", UR5E, "attach", ROBOTS / "robotiq/2f_85.urdf", "--at", "tool0", "--pose", "0,0,10mm,0,0,90deg", "--prefix", "gripper_", "-o", tmp_path / "edited.urdf")
+    assert downloaded(page, "#download-edited")[0] == (tmp_path / "edited.urdf").read_text()
+    page.locator("details summary", has_text="Changed lines").click()
+    expect(page.locator("#diff .here").first).to_be_visible()
+    shot(page, "edit-attach")
