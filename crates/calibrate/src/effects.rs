@@ -1,6 +1,6 @@
 //! Effects that geometry lacks: where each acts (carrier) times what drives it (driver).
 
-pub mod approach;
+pub(crate) mod approach;
 pub mod averaged;
 pub mod carrier;
 pub mod catalogue;
@@ -13,7 +13,7 @@ pub mod gravity;
 pub mod history;
 pub mod model;
 mod one_tip;
-pub mod probe;
+pub(crate) mod probe;
 pub mod recorded;
 pub mod reference_robot;
 pub mod saved;
