@@ -23,7 +23,13 @@ export function svg(tag: string, attributes: Record<string, string | number>, ..
 
 export function select(label: string, choices: [value: string, words: string][], chosen: string, change: (value: string) => void, id?: string, name?: string): HTMLLabelElement {
     const options = choices.map(([value, words]) => h("option", { value, selected: value === chosen }, words));
-    const element = h("select", { id, "aria-label": name, change: () => change(element.value) }, ...options);
+    const element: HTMLSelectElement = h("select", { id, "aria-label": name, change: () => {
+        told();
+        change(element.value);
+    } }, ...options);
+    // A box may be narrower than the name in it.
+    const told = () => { element.title = element.selectedOptions[0]?.textContent ?? ""; };
+    told();
     return h("label", { class: "choice" }, label ? h("span", {}, label) : null, element);
 }
 

@@ -183,6 +183,7 @@ export class Reach {
         const follows = names.length < 6 && first?.within_limits === true;
         if (asked && best) this.take(best, names);
         else if (asked && first && !answer.reached && follows) this.take(first, names);
+        const left = this.postures[0]?.branch;
         const now = names.map((name) => this.app.value(name));
         const is = ({ joints }: Solution) => joints.every((value, at) => Math.abs(value - (now[at] ?? 0)) < SAME);
         const present = within.find(is) ?? (asked ? best : undefined);
@@ -199,9 +200,9 @@ export class Reach {
         const outside = answer.reached ? answer.solutions.length - within.length : 0;
         const more = outside > 0 ? `; ${outside} more outside of limits` : "";
         if (state === "reached") {
-            const branch = present?.branch ? `${present.branch}. ` : "";
+            const changed = asked && left && present?.branch && left !== present.branch;
             const ghosts = others > 0 ? `${others} other ${others === 1 ? "posture reaches" : "postures reach"} this pose: click a ghost to take it` : "No other posture was found for this pose";
-            fill(this.words, `${branch}${ghosts}${more}.`);
+            fill(this.words, changed ? h("b", {}, "Another branch now: ") : null, `${present?.branch ? `${present.branch}. ` : ""}${ghosts}${more}.`);
             view.warn("");
         } else if (state === "limits" && first) {
             const over = names.filter((name, at) => beyond(this.joint(name), first.joints[at] ?? 0));
@@ -234,6 +235,7 @@ export class Reach {
         const called = this.postures.map(({ branch }, at) => branch ?? (at === 0 ? "as shown" : `posture ${at + 1}`));
         const told = called.map((words, at) => (called.indexOf(words) === at ? words : `${words} (${called.slice(0, at + 1).filter((it) => it === words).length})`));
         fill(this.branch, ...told.map((words, at) => h("option", { value: at, selected: at === 0 }, words)));
+        this.branch.title = told[0] ?? "";
         const joints = robot?.opened.scene.joints ?? [];
         view.ghosts(this.postures.slice(1).map((posture, at) => ({
             words: told[at + 1] ?? "",

@@ -185,11 +185,24 @@ def test_what_no_posture_reaches_is_said(explorer):
     pose(page, {"elbow_joint": 1.0})
     settled(page)
     expect(page.locator("#reach")).to_have_attribute("data-state", "reached")
+    # Where the branch that it is on ends, the nearest other one is taken, and that is said.
+    start, joint, rest = UR5E.read_text().partition('<joint name="elbow_joint"')
+    bent = start + joint + rest.replace('lower="-6.283185307179586" upper="6.283185307179586"', 'lower="0.9" upper="1.4"', 1)
+    page.click("#drag")
+    drop_robot(page, ("bent.urdf", bent.encode()))
+    page.wait_for_function("() => window.denavit.app.robot?.file === 'bent.urdf'")
+    page.click("#drag")
+    settled(page)
+    field.fill("150")
+    field.press("Enter")
+    settled(page)
+    expect(page.locator("#reached")).to_contain_text("Another branch now: back, elbow up, wrist not flipped. 1 other posture reaches this pose")
     # Within limits nothing reaches it: named are the joints that would have to leave them.
     wide = 'lower="-6.283185307179586" upper="6.283185307179586"'
     pan, lift, elbow, rest = UR5E.read_text().split(wide, 3)
     tight = f'{pan}lower="0" upper="1.2"{lift}{wide}{elbow}lower="0.9" upper="1.4"{rest}'
     page.click("#drag")
+    pose(page, POSTURE)
     drop_robot(page, ("tight.urdf", tight.encode()))
     page.wait_for_function("() => window.denavit.app.robot?.file === 'tight.urdf'")
     page.click("#drag")

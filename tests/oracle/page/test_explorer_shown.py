@@ -205,3 +205,19 @@ def test_arrow_keys_go_from_tab_to_tab(explorer):
         page.keyboard.press(key)
         expect(page.locator(f"#tab-{name}")).to_be_focused()
         expect(page.locator(f"#tab-{name}")).to_have_attribute("aria-selected", "true")
+
+
+def test_long_names_wrap_or_are_told_on_hover(explorer):
+    page = explorer()
+    name = "left_manipulator_of_the_second_cell_shoulder_pan_joint"
+    drop_robot(page, ("cell.urdf", UR5E.read_text().replace("shoulder_pan_joint", name).replace('"tool0"', '"tool_of_the_left_manipulator_of_the_cell"').encode()))
+    slider = page.locator(".slider .name").first
+    assert (slider.text_content(), slider.get_attribute("title")) == (name, name)
+    expect(page.locator("#chain")).to_have_attribute("title", "base → tool_of_the_left_manipulator_of_the_cell  (6)")
+    page.click("#tab-Edit")
+    expect(page.locator("#edit-joint")).to_have_attribute("title", name)
+    page.select_option("#edit-joint", "elbow_joint")
+    expect(page.locator("#edit-joint")).to_have_attribute("title", "elbow_joint")
+    cut = """() => [...document.querySelectorAll('header *, .joints *, .right *')].filter((it) => it.children.length === 0 && it.tagName !== 'OPTION'
+      && it.clientWidth > 0 && it.scrollWidth > it.clientWidth + 1 && !it.title && it.textContent.trim()).map((it) => it.textContent)"""
+    assert page.evaluate(cut) == []
