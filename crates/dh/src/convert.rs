@@ -2,7 +2,7 @@
 //!
 //! The frame on an axis is given by two neighbouring axes: z along the axis, x along the common normal with the one
 //! before, origin at its foot. What is free then (the sense of x, the place along parallel axes, the place of
-//! a prismatic axis) is the gauge: the candidates come from [`crate::candidates`], the choice from [`crate::gauge`].
+//! a prismatic axis) is the gauge: the candidates come from `candidates`, the choice from [`crate::gauge`].
 //!
 //! Numerics: each row is computed from the frame that the rows before it *really* give, so rounding does not pile up;
 //! d and a are solved for so that the next axis is met to rounding however close to parallel the two are.

@@ -69,7 +69,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::next`] has those that continue
+    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::go_on`] has those that continue
     /// from their siblings.
     ///
     /// # Errors

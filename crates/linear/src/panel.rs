@@ -20,7 +20,7 @@ pub fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, line
     }
 }
 
-/// For several rows Σ row[k] lines[k]: `take` is given the number of each row and its sums.
+/// For several rows `Σ row[k] lines[k]`: `take` is given the number of each row and its sums.
 ///
 /// # Shape and units
 /// `rows`: one after the other, `stride` cells from one to the next, of which as many count as there are lines.

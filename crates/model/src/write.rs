@@ -1,4 +1,4 @@
-//! A robot as URDF text: everything that [`Robot`](crate::Robot) holds, each number so that it reads back as itself.
+//! A robot as URDF text: everything that [`Robot`] holds, each number so that it reads back as itself.
 //!
 //! Where a robot was read from a text that shall stay as it is but for a few places, edit the text instead.
 

@@ -6,7 +6,7 @@
 //! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure the place of the target is there by
 //! the posterior covariance, v_g: mean square error of plain geometry on postures that it was not fitted to (each left out once). Among the
 //! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too, where that blend is expected to be
-//! off by far more (v) than the drawing is (v_n): a share v²/(v² + [`FAR_MORE`]⁴ v_n²).
+//! off by far more (v) than the drawing is (v_n): a share v²/(v² + `FAR_MORE`⁴ v_n²).
 
 pub mod written;
 

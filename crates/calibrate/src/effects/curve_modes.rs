@@ -1,7 +1,7 @@
 //! How an error curve is unsure: the shapes by which its posterior varies most, so that a later calibration can go on from it.
 //!
 //! With Σ the posterior covariance of a curve's weights and Σ = V Λ Vᵀ, a mode is a column of V √Λ: the curve is its mean and so many
-//! modes, each times a number of mean 0 and variance 1. The largest [`MOST`] are kept (Karhunen-Loève); what is left is taken for nothing.
+//! modes, each times a number of mean 0 and variance 1. The largest `MOST` are kept (Karhunen-Loève); what is left is taken for nothing.
 
 use crate::effects::carrier::Action;
 use crate::effects::curve::{Curve, Waves};

@@ -1,8 +1,8 @@
 //! Prediction by averaging: everything that may act stays in one linear Gaussian model, each kind as large as the evidence has it.
 //!
-//! Terms ([`terms`]) and rows ([`linearised`]) give columns, [`sizes`] their prior variances and the noise by marginal likelihood; the posterior
-//! mean of all numbers is stepped to and everything linearised anew, [`PASSES`] times. What comes of it predicts together with plain
-//! geometry: [`Averaged`](crate::effects::averaged::Averaged). Equations and figures: docs/prediction.md.
+//! Terms ([`mod@terms`]) and rows ([`mod@linearised`]) give columns, [`sizes`] their prior variances and the noise by marginal likelihood; the posterior
+//! mean of all numbers is stepped to and everything linearised anew, `PASSES` times. What comes of it predicts together with plain
+//! geometry: [`Averaged`]. Equations and figures: docs/prediction.md.
 
 pub mod linearised;
 pub mod sizes;

@@ -10,7 +10,7 @@
 //! unit of coordinate j. The variances are estimated together by restricted maximum likelihood ([`reml`]). A source is *claimed* where
 //! the likelihood without it, all others free, is too much smaller: the ratio is then half a χ² of one degree of freedom, for a variance is
 //! not below 0 (Self and Liang, Journal of the American Statistical Association 82 (1987), 605), and is asked for as many sources as were tried
-//! (Bonferroni). Positions may hang together with orientations ([`lever`]). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
+//! (Bonferroni). Positions may hang together with orientations (`lever`). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
 //! make a normal likelihood too sure: ratios are divided by the variance of the rows' own scores over that of normal ones, where it is
 //! larger.
 

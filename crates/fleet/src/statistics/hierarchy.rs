@@ -10,7 +10,7 @@
 //! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' deviations give by
 //! themselves: T counts as κ robots, and κ is the one with which each robot is best predicted by all the others. The weights uᵢ
 //! (Lange, Little, Taylor 1989) keep a robot that is unlike all others from passing for the spread of the series. They make the
-//! normal robots' covariance too small by a known factor, which is given back at the end ([`consistency`]): Σ is the covariance of
+//! normal robots' covariance too small by a known factor, which is given back at the end (`consistency`): Σ is the covariance of
 //! robots that had no accident.
 
 use denavit_model::nalgebra::{DMatrix, DVector};

@@ -8,7 +8,7 @@
 //! 4. An alarm is a robot that is marked again: in two of its last three nights, tonight's among them, by the same number in
 //!    the same direction.
 //! 5. Where tails are heavy a single night must be far off before it stands out. So a lasting change is an alarm, too: the median of
-//!    the last nights and the median of as many before them ([`super::lasting`]).
+//!    the last nights and the median of as many before them (`lasting`).
 
 use super::false_discovery::discoveries;
 use super::lasting::{self, Limit, both_beyond};

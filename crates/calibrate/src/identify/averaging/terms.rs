@@ -184,7 +184,7 @@ pub fn terms(survey: &Survey, tolerances: &Tolerances, named: &[(Term, f64)]) ->
     Terms { model: Everything(model), families, scales, frequencies, joints }
 }
 
-/// Geometry with the causes and error curves of a model, each number with its prior deviation: of a cause [`ANY_SIZE`] times `scale` of its
+/// Geometry with the causes and error curves of a model, each number with its prior deviation: of a cause `ANY_SIZE` times `scale` of its
 /// term. The numbers stand where the model has them.
 pub fn of_model(
     survey: &Survey,

@@ -84,7 +84,7 @@ pub struct CurveFit {
     pub modes: CurveModes,
 }
 
-/// Fits a curve for each moving joint beside `fit`, and what joints give under gravity ([`deflection`]); what the data do not
+/// Fits a curve for each moving joint beside `fit`, and what joints give under gravity (`deflection`); what the data do not
 /// ask for is left out.
 ///
 /// # Shape and units

@@ -38,7 +38,7 @@ pub struct Model<'a> {
     pub means: &'a [Vec<f64>],
     /// How firmly that holds for each curve, 1/rad² or 1/m².
     pub firm: &'a [f64],
-    /// For each curve what is expected of it where no rows are: precision of its waves, row by row ([`super::gaps`]).
+    /// For each curve what is expected of it where no rows are: precision of its waves, row by row (`gaps`).
     pub gaps: &'a [Vec<f64>],
     /// For each curve the variance at which it is as large as the noise, rad² or m².
     pub visible: &'a [f64],

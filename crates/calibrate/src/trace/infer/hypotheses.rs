@@ -1,7 +1,7 @@
 //! What is still open after a run: the sets of causes that the data leave possible, and what each predicts of rows to come.
 //!
 //! Each hypothesis is a set of causes beside geometry, frames and curves, with the posterior that the measured rows gave it. A
-//! row to come has columns x of the same kinds; under a hypothesis with A m = b ([`System`]) it is expected at xᵀ m with the
+//! row to come has columns x of the same kinds; under a hypothesis with A m = b (`System`) it is expected at xᵀ m with the
 //! variance s (1 + xᵀ A⁻¹ x), s the variance of the noise.
 //! Structure without a name has no columns beyond the measured rows, so it has no part in what is predicted.
 

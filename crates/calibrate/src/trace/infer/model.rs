@@ -6,7 +6,7 @@
 //! | frames φ | instrument, targets | flat |
 //! | effects β | coefficients of named effects | normal about 0, an engineer's size or unit information |
 //! | curve of joint j, w_j | one number per wave | normal about 0, variance = spectral density of the kernel at the wave |
-//! | noise ε | | normal, one level per channel; replicates of a posture share one misfit ([`super::replicates`]) |
+//! | noise ε | | normal, one level per channel; replicates of a posture share one misfit (`replicates`) |
 
 use crate::effects::curve::{Curve, Waves};
 

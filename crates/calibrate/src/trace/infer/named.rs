@@ -79,14 +79,14 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the resampled runs that find it ([`found_again`]); no more than the share of the run's other rows that find it, where there are
+    /// Share of the resampled runs that find it (`found_again`); no more than the share of the run's other rows that find it, where there are
     /// such.
     pub found_again: f64,
     /// By how much it raises the logarithm of the marginal likelihood, prior odds counted; the mean over these and the other rows.
     pub gain: f64,
     /// Who shares its mass.
     pub rivals: Vec<Alternative>,
-    /// Whether it is of use for the prediction ([`super::predictor`]).
+    /// Whether it is of use for the prediction (`predictor`).
     pub predicts: bool,
 }
 
