@@ -25,9 +25,12 @@ pub struct Redundancy {
 }
 
 impl Redundancy {
-    /// Counts the rows of `data`, which identify `rank` parameters.
+    /// Counts the rows of `data`, which identify `rank` parameters. Places that one posture alone sees, such as where two tips touch each
+    /// other, take as many numbers as they are: neither counts.
     pub fn of(data: &Measurements, rank: usize) -> Self {
         let (postures, values) = different(data);
+        let own = 3 * seen_once(data);
+        let (values, rank) = (values.saturating_sub(own), rank.saturating_sub(own));
         let degrees = values.saturating_sub(rank);
         Self {
             postures,
@@ -37,6 +40,16 @@ impl Redundancy {
             enough_for_effects: degrees as f64 >= DEGREES_PER_PARAMETER * rank as f64,
         }
     }
+}
+
+/// How many points are seen in one posture alone.
+fn seen_once(data: &Measurements) -> usize {
+    let mut postures_of = vec![0; data.scene.points.len()];
+    for posture in data.postures().iter() {
+        let points = posture.iter().flat_map(|&row| data.of_row(row)).filter_map(|at| data.series_of(at).point);
+        points.collect::<BTreeSet<usize>>().into_iter().for_each(|point| postures_of[point] += 1);
+    }
+    postures_of.into_iter().filter(|&postures| postures == 1).count()
 }
 
 /// Different postures, and the numbers measured at them, each posture counted once.

@@ -1,7 +1,7 @@
 //! What every column of a file was taken for: said in the report, so that nothing is left out without a word.
 
 use super::Measurements;
-use super::header::{Header, Role};
+use super::header::{CONTACT, Header, Role};
 use super::near_miss::{KNOWN_COVARIATES, OF_JOINTS};
 use denavit_model::{Inventory, Place};
 use serde::Serialize;
@@ -21,7 +21,7 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
         let of_joint = name
             .rsplit_once('.')
             .filter(|(joint, word)| OF_JOINTS.contains(word) && data.joints.iter().any(|known| known == joint));
-        if KNOWN_COVARIATES.contains(&name) || (name == "tip" && data.scene.tips().is_some()) {
+        if KNOWN_COVARIATES.contains(&name) || ([CONTACT, "tip"].contains(&name) && data.scene.tips().is_some()) {
             return name.to_owned();
         }
         if let Some((joint, word)) = of_joint {

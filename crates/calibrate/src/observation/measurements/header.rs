@@ -3,7 +3,7 @@
 use super::measurement_error::MeasurementError;
 use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use crate::observation::board::Sight;
-use crate::observation::kinds::{KINDS, ObservationKind, PIXEL};
+use crate::observation::kinds::{KINDS, ObservationKind, PIXEL, SOCKET};
 use denavit_model::{Coordinate, Quantity, Tips};
 use std::collections::HashSet;
 
@@ -49,6 +49,9 @@ pub(super) struct Group {
     pub label: Option<usize>,
     /// What tells the corners of a board apart, where it is of one.
     pub corner: Option<CornerOf>,
+    /// Whether two tips of the robot touch each other: each row has a place of its own where they do, and the label says which points of
+    /// the tips do.
+    pub of_two_tips: bool,
 }
 
 /// How a file says which corner of a board was seen.
@@ -61,6 +64,9 @@ pub(super) enum CornerOf {
     /// By its place on the board, in columns `board_x`, `board_y`.
     Placed([usize; 2]),
 }
+
+/// The column that says which points of two tips touch each other.
+pub(super) const CONTACT: &str = "contact";
 
 /// The columns that say where on a board a corner is.
 const ON_BOARD: [&str; 2] = ["board_x", "board_y"];
@@ -79,6 +85,14 @@ impl Header {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
         let mut groups = groups(&names, &targets);
+        let contact = names.iter().position(|name| name == CONTACT);
+        if let Some(column) = contact.filter(|_| tips.is_some()) {
+            let target = SOCKET.own_target().unwrap_or("").to_owned();
+            let label = Some(column);
+            groups.push(Group { kind: SOCKET, target, columns: Vec::new(), label, corner: None, of_two_tips: true });
+        } else if contact.is_some() && groups.is_empty() {
+            return Err(vec![MeasurementError::ContactOfOneTip]);
+        }
         match sight {
             Some(sight) => groups.extend(corners(&names, sight, &mut problems)),
             None if groups.is_empty() && targets.is_empty() && !pixels(&names).is_empty() => {
@@ -185,7 +199,7 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
             let known = groups.iter().any(|group| group.kind == kind && columns.is_empty());
             if columns.iter().all(free) && !known && (label.is_some() || !columns.is_empty()) {
                 let target = kind.own_target().map_or(target, String::from);
-                groups.push(Group { kind, target, columns, label, corner: None });
+                groups.push(Group { kind, target, columns, label, corner: None, of_two_tips: false });
             }
         }
     }
@@ -232,7 +246,14 @@ fn corners(names: &[String], sight: &Sight, problems: &mut Vec<MeasurementError>
             problems.push(MeasurementError::NoBoard);
             return Vec::new();
         }
-        groups.push(Group { kind: PIXEL, target: sight.on_tip().into(), columns, label: None, corner: Some(corner) });
+        groups.push(Group {
+            kind: PIXEL,
+            target: sight.on_tip().into(),
+            columns,
+            label: None,
+            corner: Some(corner),
+            of_two_tips: false,
+        });
     }
     if groups.is_empty() && problems.is_empty() {
         problems.push(MeasurementError::NoPixels);

@@ -328,6 +328,23 @@ pub enum MeasurementError {
         /// The tips.
         tips: String,
     },
+    /// A row of a contact that does not name two tips.
+    #[error(
+        "column \"tip\": {}; a row with a contact names the two tips that touch, with a + between them: {tips}",
+        said(found)
+    )]
+    NotTwoTips {
+        /// As written.
+        found: String,
+        /// The tips.
+        tips: String,
+    },
+    /// Contacts of a robot that is calibrated to one tip.
+    #[error(
+        "column \"contact\": two tips of the robot touch each other, and one is named; name both (‹tip› LINK ‹tip› LINK), or call a \
+         place that does not move with the robot a socket"
+    )]
+    ContactOfOneTip,
     /// A row of another tip than the one that is calibrated.
     #[error(
         "column \"tip\": the row is of \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \

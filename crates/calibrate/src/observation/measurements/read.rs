@@ -453,9 +453,14 @@ impl<'a> Table<'a> {
             problems.add(line, MeasurementError::Ragged { found: record.len(), expected });
             return;
         }
-        if !self.at_tip(record, line, problems) {
-            return;
+        for tip in self.tips_of(record, line, problems) {
+            self.tip = tip;
+            self.row_at_tip(record, line, problems);
         }
+    }
+
+    /// The row as one of its tips sees it.
+    fn row_at_tip(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
         let row = self.data.lines.len();
         let goes_on = self.images.as_mut().is_some_and(|images| images.goes_on(self.header, record));
         let mut reading = vec![0.0; self.data.joints.len()];
@@ -543,16 +548,25 @@ impl<'a> Table<'a> {
         self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
     }
 
-    /// Takes down which tip a row is of; `false` where it names none.
-    fn at_tip(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) -> bool {
-        let (Some(tips), Some(column)) = (&self.tips, self.header.tip) else { return true };
+    /// The tip that a row is of, or both that touch each other; none where it names no tip.
+    fn tips_of(&self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) -> Vec<usize> {
+        let (Some(tips), Some(column)) = (&self.tips, self.header.tip) else { return vec![0] };
         let found = record.get(column).unwrap_or("");
-        let known = tips.position(found);
-        if known.is_none() {
-            problems.add(line, MeasurementError::NotATip { found: found.into(), tips: tip_names(tips) });
-        }
-        self.tip = known.unwrap_or(0);
-        known.is_some()
+        let both = self.header.groups.iter().find(|group| group.of_two_tips).and_then(|group| group.label);
+        let touching = both.and_then(|column| record.get(column)).is_some_and(|label| !label.is_empty());
+        let named: Vec<Option<usize>> = match found.split_once('+').filter(|_| touching) {
+            Some((first, second)) => [first, second].map(|name| tips.position(name.trim())).into(),
+            None => vec![tips.position(found)],
+        };
+        let known: Vec<usize> = named.iter().flatten().copied().collect();
+        let problem = match known[..] {
+            [first, second] if touching && first != second => return known,
+            [_] if !touching && named.len() == 1 => return known,
+            _ if touching => MeasurementError::NotTwoTips { found: found.into(), tips: tip_names(tips) },
+            _ => MeasurementError::NotATip { found: found.into(), tips: tip_names(tips) },
+        };
+        problems.add(line, problem);
+        Vec::new()
     }
 
     /// What a target of the row that is read is called, and the tip that it sits on.
@@ -583,7 +597,7 @@ impl<'a> Table<'a> {
         match of.kind.of_cells(&there, &mut values) {
             Ok(changed) => {
                 self.normalised_by = self.normalised_by.max(changed);
-                let series = self.series_of(group, setup, label);
+                let series = self.series_of(group, setup, label, line);
                 self.data.observed.push(series, &values);
                 self.keep_spread(spread);
             }
@@ -643,18 +657,23 @@ impl<'a> Table<'a> {
         self.keep_spread([f64::NAN; 3]);
     }
 
-    fn series_of(&mut self, group: usize, setup: &str, label: &str) -> usize {
-        let tip = self.tip;
+    fn series_of(&mut self, group: usize, setup: &str, label: &str, line: u64) -> usize {
+        let (tip, of) = (self.tip, &self.header.groups[group]);
+        // Where two tips touch, the label is of their points, and the place is the row's own.
+        let (target, label) = if of.of_two_tips {
+            (format!("{} {label}", of.target), format!("{label}, line {line}"))
+        } else {
+            (of.target.clone(), label.to_owned())
+        };
         let same = |known: &&(usize, String, String, usize, usize)| {
             known.0 == group && known.1 == setup && known.2 == label && known.3 == tip
         };
-        if let Some(known) = self.series.iter().find(same) {
+        if let Some(known) = self.series.iter().rev().find(same) {
             return known.4;
         }
-        let of = &self.header.groups[group];
-        let (own, target, point) = in_setup(of.kind, setup, &self.target(&of.target), label);
+        let (own, target, point) = in_setup(of.kind, setup, &self.target(&target), &label);
         let series = self.data.scene.add(of.kind, &own, Target { name: &target, tip }, Some(&point));
-        self.series.push((group, setup.into(), label.into(), tip, series));
+        self.series.push((group, setup.into(), label, tip, series));
         series
     }
 
