@@ -59,7 +59,7 @@ fn robot(path: &str) -> (Chain, Vec<Statics>) {
 
 /// A run that records everything; sides of approach by a column, or else by the order of the rows alone.
 fn run(chain: &Chain, kind: ObservationKind, sides: bool) -> (Arm, Measurements) {
-    let mut names: Vec<String> = ["time", "temperature", "payload", "velocity"].map(String::from).into();
+    let mut names: Vec<String> = ["time", "temperature", "payload", "tilt_x", "velocity"].map(String::from).into();
     names.extend(sides.then(|| "approach".to_owned()));
     names.extend(chain.coordinates().iter().map(|coordinate| format!("{}.temperature", coordinate.name)));
     let covariates = columns(&names, chain, ROWS, 0, 3).unwrap();

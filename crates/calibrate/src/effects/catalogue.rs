@@ -36,6 +36,8 @@ pub enum Kind {
     LinkCompliance,
     /// The base tilts under the arm's moment.
     BaseCompliance,
+    /// The base or a column tilts, as a recorded inclination says.
+    Tilt,
     /// Something grows or moves with temperature.
     Thermal,
     /// Something moves with time, smoothly or in steps.
@@ -156,6 +158,14 @@ pub const KINDS: &[Entry] = &[
         units: "rad/(N m)",
         source: "a floor or table as a spring",
         terms: base_compliance,
+    },
+    Entry {
+        kind: Kind::Tilt,
+        name: "tilt",
+        formula: "base, or far end of a slide's link, turns by c · inclination, a recorded column that is named tilt…",
+        units: "rad per unit of the column",
+        source: "accelerometers on a lifting column: Kindle et al. 2025, IEEE RA-L 10(1)",
+        terms: tilt,
     },
     Entry {
         kind: Kind::Thermal,
@@ -387,6 +397,19 @@ fn base_compliance(_: &Survey) -> Vec<Candidate> {
     ]
 }
 
+fn tilt(survey: &Survey) -> Vec<Candidate> {
+    let by = |column: &Column| {
+        tilting(survey).map(|carrier| each(Kind::Tilt, carrier, Driver::Covariate(column.clone()))).collect::<Vec<_>>()
+    };
+    survey.tilts.iter().map(|(column, _)| column).flat_map(by).collect()
+}
+
+/// What an inclinometer is put on: the base, and columns that lift.
+pub fn tilting(survey: &Survey) -> impl Iterator<Item = Carrier> + '_ {
+    let columns = survey.moving().filter(|&joint| survey.slides(joint)).map(Carrier::LinkEndTurn);
+    std::iter::once(Carrier::BaseTurn).chain(columns)
+}
+
 /// What may move with temperature or time.
 fn movable(survey: &Survey) -> Vec<Carrier> {
     let mut carriers: Vec<Carrier> = survey.moving().map(Carrier::Joint).collect();
@@ -476,7 +499,8 @@ mod tests {
         let column =
             |name: String, slope: f64| Covariate { name, values: (0..rows).map(|row| slope * row as f64).collect() };
         let velocities = joints.iter().map(|joint| column(format!("{joint}{VELOCITY}"), 0.01));
-        let covariates = [column("time".into(), 30.0), column("temperature".into(), 0.1)].into_iter().chain(velocities);
+        let rooms = [("time", 30.0), ("temperature", 0.1), ("tilt_x", 1e-3)];
+        let covariates = rooms.map(|(name, slope)| column(name.into(), slope)).into_iter().chain(velocities);
         let covariates: Vec<Covariate> = covariates.collect();
         let mut data = Measurements::empty("rich.csv", joints, Scene::of(POSITION, 1));
         let width = data.joints.len();

@@ -59,6 +59,8 @@ pub struct Survey {
     pub ranges: Vec<(f64, f64)>,
     /// Recorded temperatures.
     pub temperatures: Vec<Column>,
+    /// Recorded inclinations, and how far each scatters about its mean: its unit is the column's own.
+    pub tilts: Vec<(Column, f64)>,
     /// The velocity of every joint that moves; empty where that of one is not recorded, or where none of them varies.
     pub velocities: Vec<JointVelocity>,
     /// Time or run order; `None` with too few rows.
@@ -89,6 +91,13 @@ impl Survey {
             data.covariates.iter().filter(varies).filter_map(|c| data.column(&c.name).ok()).collect();
         let of_the_room = |name: &str| name.ends_with("temperature") && !name.ends_with(".temperature");
         let temperatures = recorded.iter().filter(|column| of_the_room(column.name())).cloned().collect();
+        let scatter = |column: &Column| {
+            let values = || rows.iter().map(|&row| data.covariates.row(row).value(column));
+            let mean = values().sum::<f64>() / rows.len() as f64;
+            (values().map(|value| (value - mean).powi(2)).sum::<f64>() / rows.len() as f64).sqrt()
+        };
+        let tilts = recorded.iter().filter(|column| column.name().starts_with("tilt"));
+        let tilts = tilts.map(|column| (column.clone(), scatter(column))).collect();
         let velocities = velocities(statics, data, &ranges, &recorded);
         let clock = [TIME, RUN_ORDER].into_iter().find_map(|name| {
             let column = data.covariate(name).filter(|column| varies(column))?;
@@ -110,6 +119,7 @@ impl Survey {
             rows,
             ranges,
             temperatures,
+            tilts,
             velocities,
             clock,
             recorded,

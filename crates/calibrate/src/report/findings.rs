@@ -107,6 +107,7 @@ fn advice(kind: Kind) -> &'static str {
         Kind::LocalJointError => "the joint errs at one place of its range: compensate, or check its gear there",
         Kind::LinkCompliance => "the link or its bearing bends under load: compensate",
         Kind::BaseCompliance => "the base moves under load: fasten it, or compensate",
+        Kind::Tilt => "it tilts as its inclinometer says: compensate with the recorded inclination",
         Kind::Thermal => "it follows a temperature or warmth: warm the robot up before measuring, or compensate",
         Kind::Drift => "it changed during the run: fasten it and measure again",
         Kind::Latency => "readings and measured values are of different times: measure at standstill",

@@ -493,7 +493,7 @@ pub struct SimulateArguments {
     /// Effects that `denavit calibrate --effects-out` wrote
     #[arg(long, value_name = "FILE")]
     pub effects: Option<String>,
-    /// What is recorded beside the measurements: time, temperature, payload, approach, velocity, or JOINT.temperature …
+    /// What is recorded beside the measurements: time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.temperature …
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Write rows for a test, too: the same robot, measured after the others

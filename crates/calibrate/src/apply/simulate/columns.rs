@@ -1,4 +1,4 @@
-//! What is recorded beside a simulated run: time, temperatures, payloads, sides of approach, velocities.
+//! What is recorded beside a simulated run: time, temperatures, payloads, inclinations, sides of approach, velocities.
 
 use crate::effects::driver::{APPROACH, VELOCITY};
 use crate::observation::measurements::Covariate;
@@ -12,7 +12,7 @@ use thiserror::Error;
 /// A word that names no column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "\"{0}\" is no column that a run has; write of time, temperature, payload, approach, velocity, or JOINT.approach, \
+    "\"{0}\" is no column that a run has; write of time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.approach, \
      JOINT.velocity, JOINT.temperature"
 )]
 pub struct NoColumn(pub String);
@@ -27,6 +27,8 @@ const WARMER: f64 = 8.0;
 const WARMING: f64 = 1800.0;
 /// Payloads that are hung on, kg.
 const PAYLOADS: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
+/// Standard deviation of an inclination, rad: a base on soft ground.
+const TILT: f64 = 5e-4;
 /// Fastest a joint goes by, rad/s.
 const FASTEST: f64 = 0.5;
 /// Fastest a slide goes by, m/s.
@@ -79,6 +81,10 @@ fn values(name: &str, chain: &Chain, rows: usize, first_row: usize, random: &mut
     match name {
         "time" => return Some((0..rows).map(time).collect()),
         "temperature" => return Some((0..rows).map(warm).collect()),
+        "tilt_x" | "tilt_y" => {
+            let tilt = |_| TILT * random.sample::<f64, _>(StandardNormal);
+            return Some((0..rows).map(tilt).collect());
+        }
         PAYLOAD => return Some((0..rows).map(|_| PAYLOADS[random.random_range(0..PAYLOADS.len())]).collect()),
         _ => {}
     }

@@ -110,6 +110,7 @@ impl EffectSpecification {
         if places.is_empty() {
             let column = match self.kind {
                 Kind::Thermal => "temperature",
+                Kind::Tilt => "tilt",
                 Kind::Latency => "velocity",
                 _ => "time",
             };

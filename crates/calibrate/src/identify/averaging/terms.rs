@@ -4,7 +4,7 @@
 //! the data: a unit of a family's size is about a radian at a joint, or a metre.
 
 use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::Kind;
+use crate::effects::catalogue::{Kind, tilting};
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::driver::{
     APPROACH, APPROACH_FROM_ROWS, CURRENT, Conditions, Driver, EFFORT, MOTOR_TORQUE, Side, Statics,
@@ -52,6 +52,8 @@ pub enum Family {
     Incidence,
     /// The instrument's metre.
     Instrument,
+    /// With recorded inclination.
+    Tilt,
     /// With recorded temperature.
     Thermal,
     /// With recorded torque or current.
@@ -326,6 +328,11 @@ fn surroundings(b: &mut Builder<'_>, moving: &[usize], moment: f64) {
     }
     if survey.instrument || survey.anchor {
         b.each(Kind::InstrumentScale, Carrier::Scale, Driver::Constant, Family::Instrument, 1.0);
+    }
+    for (column, scatter) in &survey.tilts {
+        for carrier in tilting(survey) {
+            b.each(Kind::Tilt, carrier, Driver::Covariate(column.clone()), Family::Tilt, 1.0 / scatter);
+        }
     }
     for column in &survey.temperatures {
         let joints = moving.iter().map(|&joint| Carrier::Joint(joint));
