@@ -285,17 +285,22 @@ fn judged(
         let left = off(&averaging.fit, &train, &test);
         outcome.averaged = rms(&left);
         if std::env::var("SIZES").is_ok() {
-            println!("   {:?} left out {:?}", averaging.sizes, averaging.left_out);
+            println!(
+                "   {:?} left out {:?} calibrated {:?}",
+                averaging.sizes,
+                averaging.left_out,
+                averaging.fit.effects.averaged.as_ref().map(|a| a.known.calibrated)
+            );
         }
         let model = bound_later(&averaging.fit.effects, &train, &test).unwrap();
         let blend = model.averaged.as_ref().unwrap();
         for residual in &left {
             let conditions = Conditions::of(Row::new(&test, residual.row));
-            let deviation = (blend.expected_error(&conditions).powi(2) + blend.known.noise).sqrt();
             let inside =
                 blend.known.ranges.iter().zip(conditions.reading).all(|(range, q)| (range.0..=range.1).contains(q));
             let held = &mut outcome.covered[usize::from(!inside)];
             let height = test.scene.series[residual.series].kind.place().height;
+            let deviation = blend.variance_of_a_value(&conditions, height == 1).sqrt();
             held[0] += residual.place.iter().take(height).filter(|error| error.abs() < 1.96 * deviation).count() as f64;
             held[1] += height as f64;
         }

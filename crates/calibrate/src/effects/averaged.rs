@@ -68,7 +68,14 @@ pub struct Known {
     pub of_curves: f64,
     /// v_g, m².
     pub of_geometry: f64,
-    /// What the measured values scatter by about the best prediction, m²: the noise of a row.
+    /// How unsure geometry is at the fitted rows, m², in the median: v_g has it in it.
+    pub geometry_among_rows: f64,
+    /// How many times the variance of what is read that of the target's place is: a distance says nothing of what lies across it. 1 where all
+    /// of the place is read.
+    pub across: f64,
+    /// What an expected square is multiplied by so that 95 % of the values left out lie within 1.96 of its roots.
+    pub calibrated: f64,
+    /// What a measured value scatters by about the prediction, m²: its noise and that of the joints, in the mean over the fitted rows.
     pub noise: f64,
     /// Lowest and highest reading of each coordinate among the fitted rows, rad or m.
     pub ranges: Vec<(f64, f64)>,
@@ -91,6 +98,8 @@ pub struct Blend {
     pub shares: [f64; 2],
     /// Expected square of the error of the blend, m² for each axis: that of a mixture, Σ wᵢ (vᵢ + dᵢ²), d: how far each is from the blend.
     pub variance: f64,
+    /// The same of what is read of it where that is one length.
+    pub of_length: f64,
 }
 
 impl Averaged {
@@ -167,7 +176,16 @@ impl Averaged {
             drawn.state_into(conditions.reading, 0, None, &mut as_drawn);
             plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * self.known.drawn_tip
         });
-        Robots { to_averaged, to_drawn, own, of_all, of_geometry, of_placement }
+        // As it is read: a metre that is too long and a target that is too near make up for each other.
+        let target = (averaged.tip * tip * Point3::from(self.known.target)).coords;
+        let mut read = target + averaged.tip.rotation * own.target;
+        if let Some(instrument) = &self.known.instrument {
+            let there = (instrument * Point3::from(target)).coords;
+            read +=
+                instrument.rotation.inverse() * there * own.scale + own.sight.beyond(&there, instrument, &averaged.tip);
+        }
+        let apart = (plain.tip.inverse() * base * Point3::from(read)).coords - self.known.target;
+        Robots { to_averaged, apart, to_drawn, own, of_all, of_geometry, of_placement }
     }
 
     /// v = trace(Z S Zᵀ)/3 of everything, of geometry alone, and of the places of instrument and target in that, Z: how the target moves by each
@@ -236,16 +254,18 @@ impl Averaged {
     }
 
     fn weighed(&self, robots: &Robots) -> Blend {
-        let Known { of_geometry, of_drawing, .. } = &self.known;
-        let whole = of_geometry + robots.of_geometry;
+        let Known { of_geometry, of_drawing, geometry_among_rows, .. } = &self.known;
+        let whole = of_geometry + (robots.of_geometry - geometry_among_rows).max(0.0);
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
-            return Blend { shares: [0.0, 0.0], variance: whole };
+            return Blend { shares: [0.0, 0.0], variance: whole, of_length: whole };
         }
         let moved = |way: &Pose| way * Point3::from(self.known.target) - Point3::from(self.known.target);
         let share = of_geometry / (of_geometry + robots.of_all);
-        let way = moved(&robots.to_averaged);
-        let variance = share * robots.of_all + (1.0 - share) * whole + share * (1.0 - share) * way.norm_squared() / 3.0;
-        let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance } };
+        let way = robots.apart;
+        let beside = (1.0 - share) * (whole + share * way.norm_squared() / 3.0);
+        let variance = share * robots.of_all + beside;
+        let of_length = share * robots.of_all / self.known.across + beside;
+        let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance, of_length } };
         // The drawing is placed by the same rows: it is no surer of that.
         let of_drawing = of_drawing + robots.of_placement;
         let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
@@ -253,12 +273,24 @@ impl Averaged {
         Blend {
             shares: [share * (1.0 - drawn), drawn],
             variance: (1.0 - drawn) * variance + drawn * of_drawing + drawn * (1.0 - drawn) * apart,
+            of_length: (1.0 - drawn) * of_length + drawn * of_drawing + drawn * (1.0 - drawn) * apart,
         }
     }
 
     /// Expected error of the blend: root of the mean square of each axis, m, the noise of a measured row not in it.
     pub fn expected_error(&self, conditions: &Conditions<'_>) -> f64 {
-        self.blend(conditions).variance.sqrt()
+        (self.known.calibrated * self.blend(conditions).variance).sqrt()
+    }
+
+    /// Variance of a measured value there, m²: of a component of the place, or of one length alone. The noise is in it.
+    pub fn variance_of_a_value(&self, conditions: &Conditions<'_>, length: bool) -> f64 {
+        let blend = self.blend(conditions);
+        self.known.calibrated * if length { blend.of_length } else { blend.variance } + self.known.noise
+    }
+
+    /// How unsure geometry alone is there, m² for each axis.
+    pub(crate) fn of_geometry(&self, conditions: &Conditions<'_>) -> f64 {
+        self.robots(conditions, &mut self.standing()).of_geometry
     }
 
     /// What the blend does to the robot with its geometry alone, added to `out`.
@@ -283,6 +315,8 @@ impl Averaged {
 struct Robots {
     /// From the tip of the geometric robot to that of the averaged one.
     to_averaged: Pose,
+    /// By which the averaged robot's target is read beside the geometric one's, tip frame, m.
+    apart: Vector3<f64>,
     /// And to that of the drawn one, outside the measured ranges.
     to_drawn: Option<Pose>,
     own: Perturbation,

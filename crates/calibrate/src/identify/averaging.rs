@@ -33,6 +33,11 @@ use std::sync::Arc;
 const PASSES: usize = 3;
 /// The same for a model that is compared with: it begins at the fit.
 const PASSES_OF_NAMED: usize = 1;
+/// Steps with the sizes found, at most, until what is read changes by less than this share of the noise's variance.
+const MORE_STEPS: usize = 12;
+const SETTLED: f64 = 0.01;
+/// Shortest share of a step that goes to and fro.
+const LEAST_SHARE: f64 = 0.25;
 /// Steps of the search for sizes, in the first pass and in those after it.
 const STEPS: [usize; 2] = [40, 15];
 /// Values that sizes are found from, at most: the rows are spread evenly over the run.
@@ -108,6 +113,8 @@ struct LeftOut {
     residual: Vec<f64>,
     /// Mean variance of the prediction of one of them, m².
     variance: f64,
+    /// Mean variance of the noise of one of them, m².
+    noise: f64,
     /// Of the row.
     weight: f64,
 }
@@ -128,10 +135,30 @@ fn blended(geometric: &[LeftOut], averaged: &[LeftOut], across: f64) -> Vec<Left
     let of_geometry = mean_square(geometric);
     let blend = |(geometric, averaged): (&LeftOut, &LeftOut)| {
         let share = of_geometry / (of_geometry + across * averaged.variance);
-        let both = geometric.residual.iter().zip(&averaged.residual);
-        LeftOut { residual: both.map(|(g, a)| g + share * (a - g)).collect(), ..*averaged }
+        let both = || geometric.residual.iter().zip(&averaged.residual);
+        let apart = both().map(|(g, a)| (g - a).powi(2)).sum::<f64>() / averaged.residual.len() as f64;
+        let own = share * averaged.variance + (1.0 - share) * of_geometry;
+        LeftOut {
+            residual: both().map(|(g, a)| g + share * (a - g)).collect(),
+            variance: own + share * (1.0 - share) * apart,
+            ..*averaged
+        }
     };
     geometric.iter().zip(averaged).map(blend).collect()
+}
+
+/// What expected squares are multiplied by so that 95 % of the values left out lie within 1.96 deviations. The sizes were found from the same
+/// rows: they take degrees of freedom, at most half of all.
+fn calibrated(rows: &[LeftOut], sizes: usize) -> f64 {
+    let standardised = |row: &LeftOut| {
+        let deviation = (row.variance + row.noise).sqrt();
+        row.residual.iter().map(move |residual| residual.abs() / deviation).collect::<Vec<f64>>()
+    };
+    let mut all: Vec<f64> = rows.iter().flat_map(standardised).collect();
+    all.sort_by(f64::total_cmp);
+    let count = all.len() as f64;
+    let at = ((0.95 * (count + 1.0)).ceil() as usize).clamp(1, all.len()) - 1;
+    (all[at] / 1.96).powi(2) * count / (count - sizes as f64).max(0.5 * count)
 }
 
 /// What all passes share.
@@ -267,16 +294,43 @@ impl Averager<'_> {
         let some = self.linearised(&self.some, at);
         let sizes = fitted(&some, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0));
         let own = if rows == self.some { some } else { self.linearised(rows, at) };
-        self.at_mean(at, sizes, &own)
+        self.at_mean(at, sizes, &own, 1.0).map(|(at, _)| at)
     }
 
-    /// Everything at its posterior mean, by these rows.
-    fn at_mean(&self, at: &At, sizes: Sizes, rows: &Linearised) -> Option<At> {
+    /// Everything at its posterior mean, by these rows, or this share of the way to it; and what the whole step changes of what is read: mean
+    /// square, each value in its noise.
+    fn at_mean(&self, at: &At, sizes: Sizes, rows: &Linearised, share: f64) -> Option<(At, f64)> {
         let (problem, chosen) = problem(rows, self.terms, &sizes);
         let mut mean = vec![0.0; rows.columns.ncols()];
+        let noise: Vec<DVector<f64>> = problem.noise.iter().map(DMatrix::diagonal).collect();
         let found = problem.gram()?.mean();
         chosen.iter().zip(found.iter()).for_each(|(&column, number)| mean[column] = *number);
-        Some(self.stepped(at, sizes, &mean))
+        let mut step = DVector::from_vec(mean.clone());
+        step.iter_mut().zip(at.model.numbers()).for_each(|(step, number)| *step -= number);
+        let changes = &rows.columns * &step;
+        let change =
+            changes.iter().zip(noise.iter().flatten()).map(|(change, noise)| change * change / noise).sum::<f64>();
+        mean.copy_from_slice((step * share).as_slice());
+        mean.iter_mut().zip(at.model.numbers()).for_each(|(number, from)| *number += from);
+        Some((self.stepped(at, sizes, &mean), change / rows.data.len() as f64))
+    }
+
+    /// The same with these sizes until nothing changes any more.
+    fn settled(&self, at: At, rows: &[usize]) -> Option<At> {
+        let (mut at, mut before, mut share) = (at, f64::INFINITY, 1.0);
+        for _ in 0..MORE_STEPS {
+            let (next, change) = self.at_mean(&at, at.sizes.clone(), &self.linearised(rows, &at), share)?;
+            at = next;
+            if change < SETTLED {
+                break;
+            }
+            // Steps that do not become shorter go to and fro.
+            if change > 0.5 * before {
+                share = (0.5 * share).max(LEAST_SHARE);
+            }
+            before = change;
+        }
+        Some(at)
     }
 
     /// Root mean square, m for each axis, of what postures are off by that this model of all the others predicts, with what a search among
@@ -290,7 +344,7 @@ impl Averager<'_> {
         let mut at =
             At { arm: plain.arm.clone(), model: self.terms.model.stepped(&step), sizes: Sizes::of_model(noise) };
         for _ in 0..PASSES_OF_NAMED {
-            at = self.at_mean(&at, at.sizes.clone(), &self.linearised(&self.some, &at))?;
+            (at, _) = self.at_mean(&at, at.sizes.clone(), &self.linearised(&self.some, &at), 1.0)?;
         }
         let left = self.left_out(&at)?.1;
         let channels = self.data.scene.channels.iter().zip(noise).filter(|(channel, _)| channel.unit == "m");
@@ -318,6 +372,7 @@ impl Averager<'_> {
         for pass in 0..=PASSES {
             plain = self.pass(&plain, pass, &self.some)?;
         }
+        plain = self.settled(plain, &self.some)?;
         let (of_plain, of_geometry) = self.left_out(&plain)?;
         let all = start(&|_| true, false);
         let mut at = At { sizes: all, ..plain.clone() };
@@ -325,11 +380,19 @@ impl Averager<'_> {
             let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
             at = self.pass(&at, pass, rows)?;
         }
+        at = self.settled(at, &self.all)?;
         let (spread, left_out) = self.left_out(&at)?;
         let v_g = mean_square(&of_geometry);
-        let found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
-        let averaged = found.fit.effects.averaged.as_ref()?;
-        let left_out = blended(&of_geometry, &left_out, self.across(averaged, &left_out, v_g)?);
+        let mut found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
+        let averaged = Arc::make_mut(found.fit.effects.averaged.as_mut()?);
+        averaged.known.geometry_among_rows =
+            self.median(&left_out, |conditions, _| averaged.of_geometry(conditions))?;
+        let across = self.across(averaged, &left_out, v_g)?;
+        let left_out = blended(&of_geometry, &left_out, across);
+        averaged.known.across = across;
+        averaged.known.calibrated = calibrated(&left_out, at.sizes.count());
+        let noise = left_out.iter().map(|row| row.noise).sum::<f64>() / left_out.len() as f64;
+        averaged.known.noise = averaged.known.calibrated * noise;
         Some((Averaging { left_out: [v_g, mean_square(&left_out)].map(f64::sqrt), ..found }, plain))
     }
 
@@ -348,13 +411,18 @@ impl Averager<'_> {
         if self.data.scene.series.iter().all(|series| series.kind.place().height == 3) {
             return Some(1.0);
         }
-        let ratio = |left: &LeftOut| {
-            let share = averaged.blend(&Conditions::of(Row::new(self.data, left.row))).shares[0];
+        self.median(rows, |conditions, left| {
+            let share = averaged.blend(conditions).shares[0];
             v_g * (1.0 / share - 1.0) / left.variance
-        };
-        let mut ratios: Vec<f64> = rows.iter().step_by(rows.len().div_ceil(ROWS_ACROSS).max(1)).map(ratio).collect();
-        ratios.sort_by(f64::total_cmp);
-        ratios.get(ratios.len() / 2).copied().filter(|ratio| ratio.is_finite())
+        })
+    }
+
+    /// The median over some of the rows.
+    fn median(&self, rows: &[LeftOut], of: impl Fn(&Conditions<'_>, &LeftOut) -> f64) -> Option<f64> {
+        let some = rows.iter().step_by(rows.len().div_ceil(ROWS_ACROSS).max(1));
+        let mut values: Vec<f64> = some.map(|left| of(&Conditions::of(Row::new(self.data, left.row)), left)).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().filter(|value| value.is_finite())
     }
 
     /// How unsure the model is about where it stands, and each row that measures lengths as all the others predict it.
@@ -375,6 +443,7 @@ impl Averager<'_> {
                     row,
                     residual: lengths.iter().map(|&k| left.residual[k]).collect(),
                     variance: lengths.iter().map(of_prediction).sum::<f64>() / lengths.len() as f64,
+                    noise: lengths.iter().map(|&k| noise[index][k]).sum::<f64>() / lengths.len() as f64,
                     weight: own.weights[index],
                 });
             }
@@ -412,8 +481,6 @@ impl Averager<'_> {
             targets: at.arm.targets.iter().map(|target| back.1 * target).collect(),
             ..geometric.arm.clone()
         };
-        let lengths = (0..self.data.scene.channels.len()).filter(|&k| self.data.scene.channels[k].unit == "m");
-        let noise: Vec<f64> = lengths.map(|channel| (2.0 * at.sizes.noise[channel]).exp()).collect();
         let known = Known {
             drawn,
             geometric: Arm {
@@ -433,7 +500,10 @@ impl Averager<'_> {
             of_drawing: self.of_drawing(nominal),
             of_curves: at.sizes.of_curves(),
             of_geometry,
-            noise: noise.iter().sum::<f64>() / noise.len().max(1) as f64,
+            geometry_among_rows: 0.0,
+            across: 1.0,
+            calibrated: 1.0,
+            noise: 0.0,
             ranges: ranges(self.data),
         };
         let averages = averages(&mean.0, self.data, &self.some);

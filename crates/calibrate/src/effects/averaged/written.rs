@@ -38,6 +38,9 @@ pub struct WrittenAveraged {
     drawn_variance_m2: f64,
     curve_variance: f64,
     geometric_variance_m2: f64,
+    geometric_variance_among_rows_m2: f64,
+    across: f64,
+    calibrated: f64,
     noise_m2: f64,
     /// Lowest and highest reading of each coordinate among the fitted rows.
     ranges: Vec<(f64, f64)>,
@@ -101,6 +104,9 @@ impl WrittenAveraged {
             drawn_variance_m2: known.of_drawing,
             curve_variance: known.of_curves,
             geometric_variance_m2: known.of_geometry,
+            geometric_variance_among_rows_m2: known.geometry_among_rows,
+            across: known.across,
+            calibrated: known.calibrated,
             noise_m2: known.noise,
             ranges: known.ranges.clone(),
         }
@@ -151,6 +157,8 @@ impl WrittenAveraged {
             .chain(&self.target)
             .chain(self.instrument.iter().flatten());
         let variances = [&self.curve_variance, &self.geometric_variance_m2, &self.noise_m2, &self.drawn_variance_m2];
+        let variances =
+            variances.into_iter().chain([&self.geometric_variance_among_rows_m2, &self.across, &self.calibrated]);
         if !all.chain(variances).all(|number| number.is_finite()) {
             return Err("averaged: a number is not finite".into());
         }
@@ -169,6 +177,9 @@ impl WrittenAveraged {
             of_drawing: self.drawn_variance_m2,
             of_curves: self.curve_variance,
             of_geometry: self.geometric_variance_m2,
+            geometry_among_rows: self.geometric_variance_among_rows_m2,
+            across: self.across,
+            calibrated: self.calibrated,
             noise: self.noise_m2,
             ranges: self.ranges,
         };

@@ -106,6 +106,11 @@ impl Sizes {
         self.families.iter().find(|(known, _)| *known == family).map(|(_, size)| *size)
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.numbers().len()
+    }
+
     fn numbers(&self) -> Vec<f64> {
         let families = self.families.iter().map(|(_, size)| *size);
         self.noise.iter().copied().chain([self.joints, self.length]).chain(families).collect()
