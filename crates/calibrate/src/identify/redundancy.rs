@@ -29,7 +29,8 @@ impl Redundancy {
     /// other, take as many numbers as they are: neither counts.
     pub fn of(data: &Measurements, rank: usize) -> Self {
         let (postures, values) = different(data);
-        let own = 3 * seen_once(data);
+        let touches = seen_once(data);
+        let own = 3 * touches;
         let (values, rank) = (values.saturating_sub(own), rank.saturating_sub(own));
         let degrees = values.saturating_sub(rank);
         Self {
@@ -37,7 +38,8 @@ impl Redundancy {
             values,
             parameters: rank,
             degrees_of_freedom: degrees,
-            enough_for_effects: degrees as f64 >= DEGREES_PER_PARAMETER * rank as f64,
+            // Both rows of a touch have one error: the search would count it twice.
+            enough_for_effects: touches == 0 && degrees as f64 >= DEGREES_PER_PARAMETER * rank as f64,
         }
     }
 }

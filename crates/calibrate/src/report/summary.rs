@@ -44,13 +44,15 @@ fn cause(result: &Calibration) -> String {
     if !matches!(result.report.adopted, Adopted::Effects | Adopted::Averaged) && !trace.findings.is_empty() {
         return "cause: uncertain; no effect improves the prediction\n".into();
     }
-    let named: Vec<String> = trace
+    let mut named: Vec<String> = trace
         .findings
         .iter()
         .filter(|finding| finding.named)
         .map(|finding| format!("{} at {}", finding.term.kind.name(), finding.place))
         .collect();
     let unnamed = trace.findings.len() - named.len();
+    // One that follows two columns is named once.
+    named.dedup();
     let mut text = match (named.len(), unnamed) {
         (0, 0) => "cause: geometry; no effect beyond it".to_owned(),
         (0, _) => format!("cause: uncertain; {unnamed} possible effects are included in the model"),

@@ -38,7 +38,11 @@ pub(super) fn redundancy(result: &Calibration) -> String {
              tolerances alone; measure how far two of the points are apart and add it: ‹distance› LABEL,LABEL=50mm"
         );
     }
-    if !counted.enough_for_effects {
+    if !counted.enough_for_effects && counted.degrees_of_freedom >= 2 * counted.parameters {
+        text.push_str(
+            "  effects are not looked for: both tips of a touch have one error, and the search would count it twice\n",
+        );
+    } else if !counted.enough_for_effects {
         let _ = writeln!(
             text,
             "  too few to look for effects: with {} parameters chance makes some up below {} degrees of freedom",
