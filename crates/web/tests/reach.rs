@@ -73,5 +73,5 @@ fn an_edit_that_takes_a_robot_wants_one() {
     let hand = json!({ "file": "hand.urdf", "text": "<robot name=\"hand\"><link name=\"palm\"/></robot>", "files": {}, "names": [], "exact": false });
     let done = asked(hand);
     assert!(done["said"][0].as_str().is_some_and(|words| words.starts_with("attach hand.urdf at tool0")), "{done}");
-    assert!(done["text"].as_str().unwrap().contains("hand_palm") && done["diff"].as_str().unwrap().contains("+"));
+    assert!(done["text"].as_str().unwrap().contains("hand_palm") && done["diff"].as_str().unwrap().contains('+'));
 }

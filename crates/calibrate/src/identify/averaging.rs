@@ -149,7 +149,7 @@ fn blended(geometric: &[LeftOut], averaged: &[LeftOut], across: f64) -> Vec<Left
 
 /// What expected squares are multiplied by so that 95 % of the values left out lie within 1.96 deviations. The sizes were found from the same
 /// rows: they take degrees of freedom, at most half of all.
-fn calibrated(rows: &[LeftOut], sizes: usize) -> f64 {
+fn calibrated(rows: &[LeftOut], sizes: usize) -> Option<f64> {
     let standardised = |row: &LeftOut| {
         let deviation = (row.variance + row.noise).sqrt();
         row.residual.iter().map(move |residual| residual.abs() / deviation).collect::<Vec<f64>>()
@@ -157,8 +157,10 @@ fn calibrated(rows: &[LeftOut], sizes: usize) -> f64 {
     let mut all: Vec<f64> = rows.iter().flat_map(standardised).collect();
     all.sort_by(f64::total_cmp);
     let count = all.len() as f64;
-    let at = ((0.95 * (count + 1.0)).ceil() as usize).clamp(1, all.len()) - 1;
-    (all[at] / 1.96).powi(2) * count / (count - sizes as f64).max(0.5 * count)
+    // The rank of the quantile among one more value: the one to come (Vovk, Gammerman, Shafer 2005).
+    let rank = (95 * (all.len() + 1)).div_ceil(100).min(all.len());
+    let widest = all.get(rank.checked_sub(1)?)?;
+    Some((widest / 1.96).powi(2) * count / (count - sizes as f64).max(0.5 * count))
 }
 
 /// What all passes share.
@@ -390,7 +392,7 @@ impl Averager<'_> {
         let across = self.across(averaged, &left_out, v_g)?;
         let left_out = blended(&of_geometry, &left_out, across);
         averaged.known.across = across;
-        averaged.known.calibrated = calibrated(&left_out, at.sizes.count());
+        averaged.known.calibrated = calibrated(&left_out, at.sizes.count())?;
         let noise = left_out.iter().map(|row| row.noise).sum::<f64>() / left_out.len() as f64;
         averaged.known.noise = averaged.known.calibrated * noise;
         Some((Averaging { left_out: [v_g, mean_square(&left_out)].map(f64::sqrt), ..found }, plain))

@@ -42,7 +42,7 @@ impl Touches {
         let options =
             SimulationOptions { kind: POSITION, rows: 1, seed, tips: Some(tips.clone()), ..Default::default() };
         let truth = simulate(&chain, &options, &NoEffects).arm;
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7075_c4);
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x0070_75c4);
         let mut postures = Vec::new();
         for round in 0..40 {
             for start in readings(&chain, 2 * rows, seed + 1000 * round) {
