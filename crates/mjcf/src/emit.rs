@@ -3,6 +3,7 @@
 use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
 use crate::document::Document;
 use crate::mass::Mass;
+use crate::write::add_numbers;
 use denavit_model::formats::{Builder, Format};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};
@@ -54,30 +55,16 @@ fn is_nothing(pose: &Pose) -> bool {
 fn origin(out: &mut String, pose: &Pose) {
     if !is_nothing(pose) {
         out.push_str("<origin xyz=\"");
-        numbers(out, pose.translation.vector.as_slice());
+        add_numbers(out, pose.translation.vector.as_slice());
         out.push_str("\" rpy=\"");
-        numbers(out, &se3::written_rpy(&pose.rotation));
+        add_numbers(out, &se3::written_rpy(&pose.rotation));
         out.push_str("\"/>");
-    }
-}
-
-/// Adds numbers with blanks between them, each so that it reads back as itself; -0 as 0.
-fn numbers(out: &mut String, values: &[f64]) {
-    for (index, value) in values.iter().enumerate() {
-        if index > 0 {
-            out.push(' ');
-        }
-        if *value == 0.0 {
-            out.push('0');
-        } else {
-            let _ = write!(out, "{value}");
-        }
     }
 }
 
 fn attribute(out: &mut String, name: &str, value: f64) {
     out.extend([" ", name, "=\""]);
-    numbers(out, &[value]);
+    add_numbers(out, &[value]);
     out.push('"');
 }
 
@@ -85,7 +72,7 @@ fn inertial(text: &mut String, mass: &Mass) {
     text.push_str("<inertial>");
     if mass.centre != Vector3::zeros() {
         text.push_str("<origin xyz=\"");
-        numbers(text, mass.centre.as_slice());
+        add_numbers(text, mass.centre.as_slice());
         text.push_str("\"/>");
     }
     text.push_str("<mass");
@@ -172,7 +159,7 @@ impl Text {
                 put(text, "visual");
                 if let Some(rgba) = &shape.rgba {
                     text.push_str("<material name=\"\"><color rgba=\"");
-                    numbers(text, rgba);
+                    add_numbers(text, rgba);
                     text.push_str("\"/></material>");
                 }
                 text.push_str("</visual>");
@@ -247,7 +234,7 @@ impl Text {
         open(&mut text, &joint.name, kind, parent, child, place);
         if matches!(joint.kind, Kind::Hinge | Kind::Slide) {
             text.push_str("<axis xyz=\"");
-            numbers(&mut text, joint.axis.as_slice());
+            add_numbers(&mut text, joint.axis.as_slice());
             text.push_str("\"/>");
         }
         let bounds = [

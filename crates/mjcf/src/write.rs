@@ -124,7 +124,23 @@ struct Writer<'a> {
 
 /// Numbers with blanks between them; -0 is 0.
 pub(crate) fn numbers(values: &[f64]) -> String {
-    values.iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
+    let mut out = String::new();
+    add_numbers(&mut out, values);
+    out
+}
+
+/// Adds numbers with blanks between them, each so that it reads back as itself; -0 as 0.
+pub(crate) fn add_numbers(out: &mut String, values: &[f64]) {
+    for (index, value) in values.iter().enumerate() {
+        if index > 0 {
+            out.push(' ');
+        }
+        if *value == 0.0 {
+            out.push('0');
+        } else {
+            let _ = write!(out, "{value}");
+        }
+    }
 }
 
 /// A place as attributes: the URDF's own numbers.
