@@ -1,6 +1,6 @@
 //! Two hands of one robot that touch each other.
 
-use crate::hands::{Touches, errors, two_arms};
+use crate::hands::{TWO_ARMS, Touches, both, errors};
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read, read_export};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ fn a_touch_is_a_place_of_its_own_and_its_label_names_the_points() {
 
 #[test]
 fn a_contact_without_two_tips_is_said() {
-    let (chain, tips) = two_arms();
+    let (chain, tips, _) = both(TWO_ARMS);
     let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
     let zeros = vec!["0"; names.len()].join(",");
     let text = |tip: &str, label: &str| format!("tip,{},contact\n{tip},{zeros},{label}\n", names.join(","));

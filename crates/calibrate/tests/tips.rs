@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+use crate::hands::{TWO_ARMS, both};
 use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
@@ -21,19 +22,7 @@ use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, PlacedRobot, Reading, Tips, se3, urdf};
 use std::sync::Arc;
 
-const TWO_ARMS: &str = include_str!("two_arms.urdf");
 const BAXTER: &str = include_str!("../../../robots/rethink/baxter.urdf");
-
-fn single(text: &str, base: Option<&str>, tip: &str) -> Chain {
-    urdf::read("robot", text).unwrap().chain(base, Some(tip), Reading::Intended).unwrap().value
-}
-
-/// Both hands of a robot: the joints of both, the tips, the two chains.
-fn both(text: &str) -> (Chain, Arc<Tips>, [Chain; 2]) {
-    let chains = ["left_hand", "right_hand"].map(|tip| single(text, None, tip));
-    let (chain, tips) = Chain::joined(&chains[0], &chains[1..]).unwrap();
-    (chain, Arc::new(tips), chains)
-}
 
 fn options(tips: &Arc<Tips>, rows: usize, seed: u64) -> SimulationOptions {
     SimulationOptions { kind: POSE, rows, seed, tips: Some(tips.clone()), ..Default::default() }

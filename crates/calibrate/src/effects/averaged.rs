@@ -13,7 +13,7 @@ pub mod written;
 use crate::effects::driver::{Conditions, Driver};
 use crate::effects::everything::Everything;
 use crate::effects::model::{Effect, EffectModel, Standing, Term};
-use crate::observation::arm::{Arm, Perturbation, RowState};
+use crate::observation::arm::{AlongSight, Arm, Perturbation, RowState};
 use crate::observation::measurements::{Column, MissingColumn};
 use crate::observation::parameters::Sensitivity;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
@@ -176,16 +176,20 @@ impl Averaged {
             drawn.state_into(conditions.reading, 0, None, &mut as_drawn);
             plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * self.known.drawn_tip
         });
-        // As it is read: a metre that is too long and a target that is too near make up for each other.
         let target = (averaged.tip * tip * Point3::from(self.known.target)).coords;
-        let mut read = target + averaged.tip.rotation * own.target;
-        if let Some(instrument) = &self.known.instrument {
-            let there = (instrument * Point3::from(target)).coords;
-            read +=
-                instrument.rotation.inverse() * there * own.scale + own.sight.beyond(&there, instrument, &averaged.tip);
-        }
+        let read = target
+            + averaged.tip.rotation * own.target
+            + self.by_instrument(&target, &averaged.tip, own.scale, &own.sight);
         let apart = (plain.tip.inverse() * base * Point3::from(read)).coords - self.known.target;
         Robots { to_averaged, apart, to_drawn, own, of_all, of_geometry, of_placement }
+    }
+
+    /// How much too far the averaged robot's target at `p` (base frame, m) is read by this metre and this line of sight: a metre that is too long
+    /// and a frame that is too near make up for each other.
+    fn by_instrument(&self, p: &Vector3<f64>, tip: &Pose, scale: f64, sight: &AlongSight) -> Vector3<f64> {
+        let Some(instrument) = &self.known.instrument else { return Vector3::zeros() };
+        let there = (instrument * Point3::from(*p)).coords;
+        instrument.rotation.inverse() * there * scale + sight.beyond(&there, instrument, tip)
     }
 
     /// v = trace(Z S Zᵀ)/3 of everything, of geometry alone, and of the places of instrument and target in that, Z: how the target moves by each
@@ -202,20 +206,14 @@ impl Averaged {
         model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
         let on_tip = tip.rotation * target + tip.translation.vector;
         let p = (state.tip * Point3::from(on_tip)).coords;
-        let there = instrument.map(|instrument| instrument.rotation * p + instrument.translation.vector);
         let moved = |twist: &Vector6<f64>| {
             Vector3::new(twist[0], twist[1], twist[2]).cross(&p) + Vector3::new(twist[3], twist[4], twist[5])
         };
         let variance = |spread: &Spread| {
-            // What is read of the target: an instrument's metre and its frame make up for each other.
             let number = |k: &usize| {
                 let by = &sensitivities[*k];
                 let of_arm = moved(&by.twist) + state.tip.rotation * by.target;
-                instrument.as_ref().zip(there).map_or(of_arm, |(instrument, there)| {
-                    of_arm
-                        + instrument.rotation.inverse() * there * by.scale
-                        + by.sight.beyond(&there, instrument, &state.tip)
-                })
+                of_arm + self.by_instrument(&p, &state.tip, by.scale, &by.sight)
             };
             let frame = (0..6).filter(|_| instrument.is_some()).map(|k| moved(&Vector6::ith(k, 1.0)));
             let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
@@ -259,21 +257,21 @@ impl Averaged {
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole, of_length: whole };
         }
-        let moved = |way: &Pose| way * Point3::from(self.known.target) - Point3::from(self.known.target);
         let share = of_geometry / (of_geometry + robots.of_all);
         let way = robots.apart;
-        let beside = (1.0 - share) * (whole + share * way.norm_squared() / 3.0);
-        let variance = share * robots.of_all + beside;
-        let of_length = share * robots.of_all / self.known.across + beside;
+        let apart = way.norm_squared() / 3.0;
+        let variance = mixed(share, [robots.of_all, whole], apart);
+        let of_length = mixed(share, [robots.of_all / self.known.across, whole], apart);
         let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance, of_length } };
         // The drawing is placed by the same rows: it is no surer of that.
         let of_drawing = of_drawing + robots.of_placement;
         let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
-        let apart = (moved(to_drawn) - way * share).norm_squared() / 3.0;
+        let target = Point3::from(self.known.target);
+        let apart = (to_drawn * target - target - way * share).norm_squared() / 3.0;
         Blend {
             shares: [share * (1.0 - drawn), drawn],
-            variance: (1.0 - drawn) * variance + drawn * of_drawing + drawn * (1.0 - drawn) * apart,
-            of_length: (1.0 - drawn) * of_length + drawn * of_drawing + drawn * (1.0 - drawn) * apart,
+            variance: mixed(drawn, [of_drawing, variance], apart),
+            of_length: mixed(drawn, [of_drawing, of_length], apart),
         }
     }
 
@@ -288,9 +286,10 @@ impl Averaged {
         self.known.calibrated * if length { blend.of_length } else { blend.variance } + self.known.noise
     }
 
-    /// How unsure geometry alone is there, m² for each axis.
-    pub(crate) fn of_geometry(&self, conditions: &Conditions<'_>) -> f64 {
-        self.robots(conditions, &mut self.standing()).of_geometry
+    /// How unsure the place of the target is there by everything and by geometry alone, m² for each axis.
+    pub(crate) fn unsure(&self, conditions: &Conditions<'_>) -> [f64; 2] {
+        let robots = self.robots(conditions, &mut self.standing());
+        [robots.of_all, robots.of_geometry]
     }
 
     /// What the blend does to the robot with its geometry alone, added to `out`.
@@ -310,6 +309,11 @@ impl Averaged {
         out.reading += robots.own.reading * share;
         out.sight += robots.own.sight * share;
     }
+}
+
+/// Variance of a mixture of two that have these variances and are `apart` (squared): a `share` of the first.
+pub(crate) fn mixed(share: f64, [first, second]: [f64; 2], apart: f64) -> f64 {
+    share * first + (1.0 - share) * second + share * (1.0 - share) * apart
 }
 
 struct Robots {

@@ -11,7 +11,7 @@ pub mod terms;
 use self::linearised::{Linearised, linearised};
 use self::sizes::{Sizes, fitted, problem};
 use self::terms::{Family, Terms, of_model, terms};
-use crate::effects::averaged::{Averaged, Known, Spread};
+use crate::effects::averaged::{Averaged, Known, Spread, mixed};
 use crate::effects::driver::{Conditions, Driver, Statics};
 use crate::effects::everything::Everything;
 use crate::effects::model::{EffectModel, Term};
@@ -137,10 +137,9 @@ fn blended(geometric: &[LeftOut], averaged: &[LeftOut], across: f64) -> Vec<Left
         let share = of_geometry / (of_geometry + across * averaged.variance);
         let both = || geometric.residual.iter().zip(&averaged.residual);
         let apart = both().map(|(g, a)| (g - a).powi(2)).sum::<f64>() / averaged.residual.len() as f64;
-        let own = share * averaged.variance + (1.0 - share) * of_geometry;
         LeftOut {
             residual: both().map(|(g, a)| g + share * (a - g)).collect(),
-            variance: own + share * (1.0 - share) * apart,
+            variance: mixed(share, [averaged.variance, of_geometry], apart),
             ..*averaged
         }
     };
@@ -387,9 +386,8 @@ impl Averager<'_> {
         let v_g = mean_square(&of_geometry);
         let mut found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
         let averaged = Arc::make_mut(found.fit.effects.averaged.as_mut()?);
-        averaged.known.geometry_among_rows =
-            self.median(&left_out, |conditions, _| averaged.of_geometry(conditions))?;
-        let across = self.across(averaged, &left_out, v_g)?;
+        averaged.known.geometry_among_rows = self.median(&left_out, |conditions, _| averaged.unsure(conditions)[1])?;
+        let across = self.across(averaged, &left_out)?;
         let left_out = blended(&of_geometry, &left_out, across);
         averaged.known.across = across;
         averaged.known.calibrated = calibrated(&left_out, at.sizes.count())?;
@@ -409,14 +407,12 @@ impl Averager<'_> {
     }
 
     /// How many times as unsure the place of the target is as what is read of it, in the median: a distance says nothing of what lies across it.
-    fn across(&self, averaged: &Averaged, rows: &[LeftOut], v_g: f64) -> Option<f64> {
+    fn across(&self, averaged: &Averaged, rows: &[LeftOut]) -> Option<f64> {
         if self.data.scene.series.iter().all(|series| series.kind.place().height == 3) {
             return Some(1.0);
         }
-        self.median(rows, |conditions, left| {
-            let share = averaged.blend(conditions).shares[0];
-            v_g * (1.0 / share - 1.0) / left.variance
-        })
+        let ratio = self.median(rows, |conditions, left| averaged.unsure(conditions)[0] / left.variance);
+        ratio.filter(|ratio| *ratio > 0.0)
     }
 
     /// The median over some of the rows.

@@ -1,11 +1,12 @@
 //! Two hands of one robot that touch each other: rows as a user would write them, and how near a fit of them comes to the bound.
 
+use crate::postures::brought_to;
+use crate::webcam::derivatives;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
-use denavit_calibrate::identify::residual::Scratch;
 use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read_export};
-use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, ResidualModel, identify};
+use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, identify};
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3};
 use denavit_model::{Chain, Reading, Tips, urdf};
 use rand::{RngExt, SeedableRng};
@@ -15,17 +16,19 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Two arms on a torso that turns.
+pub const TWO_ARMS: &str = include_str!("../two_arms.urdf");
 /// Scatter of a touch: each axis of the way between the two points, m.
 pub const SCATTER: f64 = 1e-4;
 /// Touches that are not fitted.
 const LATER: usize = 20;
 
-/// The two arms, all their joints, and the tips.
-pub fn two_arms() -> (Chain, Arc<Tips>) {
-    let robot = urdf::read("two_arms.urdf", include_str!("../two_arms.urdf")).unwrap();
+/// Both hands of a robot: the joints of both, the tips, the two chains.
+pub fn both(text: &str) -> (Chain, Arc<Tips>, [Chain; 2]) {
+    let robot = urdf::read("robot", text).unwrap();
     let chains = ["left_hand", "right_hand"].map(|tip| robot.chain(None, Some(tip), Reading::Intended).unwrap().value);
     let (chain, tips) = Chain::joined(&chains[0], &chains[1..]).unwrap();
-    (chain, Arc::new(tips))
+    (chain, Arc::new(tips), chains)
 }
 
 /// A robot drawn within the tolerances, and postures in which its hands touch each other.
@@ -38,7 +41,7 @@ pub struct Touches {
 
 impl Touches {
     pub fn drawn(rows: usize, seed: u64) -> Self {
-        let (chain, tips) = two_arms();
+        let (chain, tips, _) = both(TWO_ARMS);
         let options =
             SimulationOptions { kind: POSITION, rows: 1, seed, tips: Some(tips.clone()), ..Default::default() };
         let truth = simulate(&chain, &options, &NoEffects).arm;
@@ -49,7 +52,7 @@ impl Touches {
                 let mut error = || SCATTER * random.sample::<f64, _>(StandardNormal);
                 let apart = Vector3::new(error(), error(), error());
                 if postures.len() < rows {
-                    postures.extend(brought_together(&chain, &truth, &apart, start));
+                    postures.extend(brought_to(&chain, |q| apart - between(&truth, q), start));
                 }
             }
         }
@@ -75,46 +78,15 @@ pub fn between(arm: &Arm, q: &[f64]) -> Vector3<f64> {
     true_target(arm, q, 0).translation.vector - true_target(arm, q, 1).translation.vector
 }
 
-/// The posture near `q`, within the limits, in which the points are `apart`.
-fn brought_together(chain: &Chain, arm: &Arm, apart: &Vector3<f64>, mut q: Vec<f64>) -> Option<Vec<f64>> {
-    const STEP: f64 = 1e-6;
-    for _ in 0..60 {
-        let off = apart - between(arm, &q);
-        if off.norm() < 1e-12 {
-            break;
-        }
-        let jacobian = DMatrix::from_fn(3, q.len(), |row, k| {
-            let mut moved = q.clone();
-            moved[k] += STEP;
-            (between(arm, &moved) - between(arm, &q))[row] / STEP
-        });
-        let step = jacobian.svd(true, true).solve(&off, 1e-6).ok()?;
-        let most = step.amax().max(0.3) / 0.3;
-        q.iter_mut().zip(step.iter()).for_each(|(value, by)| *value += by / most);
-    }
-    let within = chain.coordinates().iter().zip(&q).all(|(coordinate, value)| {
-        let (lower, upper) = coordinate.range();
-        (lower..=upper).contains(value)
-    });
-    (within && (apart - between(arm, &q)).norm() < 1e-9).then_some(q)
-}
-
 /// How the way between the points follows axes and points at each posture, three rows for each: where they touch is left out.
-fn derivatives(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
-    let problem = ResidualModel { data, layout, effects: &NoEffects };
-    let (mut scratch, n) = (Scratch::new(layout, arm), layout.len());
-    let mut row_of = |row: usize| {
-        let mut jacobian = vec![0.0; 3 * n];
-        problem.row_into(arm, row, &mut scratch, &mut [0.0; 3], Some(&mut jacobian));
-        -DMatrix::from_row_slice(3, n, &jacobian)
-    };
-    let mut all = DMatrix::zeros(3 * data.len() / 2, n);
-    for row in (0..data.len()).step_by(2) {
-        let apart = row_of(row) - row_of(row + 1);
-        all.rows_mut(3 * row / 2, 3).copy_from(&apart);
-    }
+fn followed(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     let columns: Vec<usize> = layout.joints.clone().chain(layout.places[0]..layout.places[1] + 3).collect();
-    all.select_columns(&columns)
+    let all = derivatives(data, layout, arm).select_columns(&columns);
+    // Of each touch three rows of the right hand follow three of the left one.
+    DMatrix::from_fn(all.nrows() / 2, all.ncols(), |row, k| {
+        let left = 6 * (row / 3) + row % 3;
+        all[(left + 3, k)] - all[(left, k)]
+    })
 }
 
 /// The same robot by least squares without tolerances: the smallest steps that bring the points together.
@@ -123,7 +95,7 @@ fn by_least_squares(from: &Arm, postures: &[Vec<f64>], data: &Measurements, layo
     for _ in 0..8 {
         let left = postures.iter().flat_map(|q| between(&arm, q).iter().copied().collect::<Vec<f64>>());
         let left = DVector::from_iterator(3 * postures.len(), left);
-        let columns = derivatives(data, layout, &arm);
+        let columns = followed(data, layout, &arm);
         let step = columns.svd(true, true).solve(&-left, 1e-9).unwrap();
         let mut whole = vec![0.0; layout.len()];
         let (joints, points) = step.as_slice().split_at(layout.joints.len());
@@ -154,7 +126,7 @@ pub fn errors(rows: usize, seeds: Range<u64>) -> [f64; 4] {
         let all = run.data(&run.postures);
         let whole = Layout::new(&run.chain, &all.scene, &options.freedom, &options.tolerances, Vec::new());
         let truth = Arm { points: vec![Vector3::zeros(); all.scene.points.len()], ..run.truth.clone() };
-        let columns = derivatives(&all, &whole, &truth) * 1e-3;
+        let columns = followed(&all, &whole, &truth) * 1e-3;
         let near = columns.rows(0, 3 * rows);
         let mut information = near.transpose() * near / SCATTER.powi(2);
         let joints = whole.joints.len();

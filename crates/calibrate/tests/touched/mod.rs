@@ -1,12 +1,13 @@
 //! A simulated arm that touches the holes of a plate, as the rows that a user would write.
 
+use crate::postures::brought_to;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
 use denavit_calibrate::identify::initial_guess::rigid_fit;
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read_export};
 use denavit_calibrate::observation::plate::Plate;
 use denavit_calibrate::{Arm, Measurements, NoEffects};
-use denavit_model::nalgebra::{DMatrix, Point3, Rotation3, Vector3};
+use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, se3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -70,34 +71,10 @@ impl Touching<'_> {
             let mut error = || self.noise * random.sample::<f64, _>(StandardNormal);
             let hole = plate * Point3::new(at.x + error(), at.y + error(), error());
             let starts = readings(self.chain, 20, random.random());
-            found.push((starts.into_iter().find_map(|start| self.brought_to(truth, &hole.coords, start))?, name));
+            let off = |q: &[f64]| hole.coords - true_target(truth, q, 0).translation.vector;
+            found.push((starts.into_iter().find_map(|start| brought_to(self.chain, off, start))?, name));
         }
         Some(found)
-    }
-
-    /// The posture near `q` in which the target is at a place, within the limits.
-    fn brought_to(&self, truth: &Arm, place: &Vector3<f64>, mut q: Vec<f64>) -> Option<Vec<f64>> {
-        const STEP: f64 = 1e-6;
-        let at = |q: &[f64]| true_target(truth, q, 0).translation.vector;
-        for _ in 0..40 {
-            let off = place - at(&q);
-            if off.norm() < 1e-12 {
-                break;
-            }
-            let jacobian = DMatrix::from_fn(3, q.len(), |row, k| {
-                let mut moved = q.clone();
-                moved[k] += STEP;
-                (at(&moved) - at(&q))[row] / STEP
-            });
-            let step = jacobian.svd(true, true).solve(&off, 1e-6).ok()?;
-            let most = step.amax().max(0.3) / 0.3;
-            q.iter_mut().zip(step.iter()).for_each(|(value, by)| *value += by / most);
-        }
-        let within = self.chain.coordinates().iter().zip(&q).all(|(coordinate, value)| {
-            let (lower, upper) = coordinate.range();
-            (lower..=upper).contains(value)
-        });
-        (within && (place - at(&q)).norm() < 1e-9).then_some(q)
     }
 
     /// The file of some of the rows, and the data that are read from it.

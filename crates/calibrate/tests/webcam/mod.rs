@@ -31,7 +31,7 @@ pub fn webcam(on_hand: bool) -> SimulationOptions {
 
 /// The information that the rows give at this arm, beside the prior and the conditions that hold the common frame; and
 /// their derivatives, row by row.
-fn derivatives(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
+pub fn derivatives(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     let problem = ResidualModel { data, layout, effects: &NoEffects };
     let mut scratch = Scratch::new(layout, arm);
     let heights: Vec<usize> = (0..data.len()).map(|row| problem.height_of(row)).collect();
