@@ -1,6 +1,13 @@
-//! What the README shows is what the commands print.
+//! What the README shows is what the commands print, and all documents together are short.
 
 use crate::support::{denavit, top};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Words of the README at most.
+const README_WORDS: usize = 900;
+/// Words of all documents at most.
+const ALL_WORDS: usize = 20_000;
 
 #[test]
 fn every_example_prints_what_the_readme_shows() {
@@ -16,4 +23,47 @@ fn every_example_prints_what_the_readme_shows() {
         examples += 1;
     }
     assert!(examples >= 3);
+}
+
+/// The documents that count: all but sources of robots, notes of example data, and templates of pages.
+fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            let skipped = ["node_modules", "target", "dist", "robots", "data", "templates", "shared"];
+            if !name.starts_with('.') && !skipped.contains(&name) {
+                documents(&path, found);
+            }
+        } else if name.ends_with(".md") {
+            found.push(path);
+        }
+    }
+}
+
+/// `cargo test -p denavit --test denavit the_documents_are_short -- --nocapture` prints the words of each document.
+#[test]
+fn the_documents_are_short() {
+    let (top, mut found) = (top(), Vec::new());
+    documents(&top, &mut found);
+    assert!(found.len() > 50, "{} documents", found.len());
+    let mut counts: Vec<(usize, String)> = found
+        .iter()
+        .map(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            // Rules of tables, dashes and signs are no words.
+            let words = text.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count();
+            (words, path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned())
+        })
+        .collect();
+    counts.sort_unstable_by(|a, b| b.cmp(a));
+    let all: usize = counts.iter().map(|(words, _)| words).sum();
+    let mut list = format!("{all:>6} all\n");
+    for (words, name) in &counts {
+        writeln!(list, "{words:>6} {name}").unwrap();
+    }
+    println!("{list}");
+    assert!(all <= ALL_WORDS, "{all} words, at most {ALL_WORDS}; say it once, and cut what --help says:\n{list}");
+    let readme = counts.iter().find(|(_, name)| name == "README.md").unwrap().0;
+    assert!(readme <= README_WORDS, "README.md has {readme} words, at most {README_WORDS}");
 }

@@ -84,7 +84,7 @@ pub const KINDS: &[Entry] = &[
         name: "joint_scale",
         formula: "value_i += c · value_i",
         units: "rad/rad or m/m",
-        source: "normalisation factor of Wu, Crawford, Roberts 2019, eq. (23)",
+        source: "Wu, Crawford, Roberts 2019, eq. (23)",
         terms: joint_scale,
     },
     Entry {
@@ -92,7 +92,7 @@ pub const KINDS: &[Entry] = &[
         name: "helical_pitch",
         formula: "slide along axis i += c · value_i",
         units: "m/rad",
-        source: "pitch h of Wu, Crawford, Roberts 2019, section II",
+        source: "Wu, Crawford, Roberts 2019, section II",
         terms: helical_pitch,
     },
     Entry {
@@ -106,17 +106,17 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::JointCompliance,
         name: "joint_compliance",
-        formula: "value_i += c · torque on joint i: gravity's, payload included, with a spring that takes up part of it, or levelling off at a knee found by scan; or the motor's, where it is recorded",
+        formula: "value_i += c · torque on joint i: gravity's, payload included, less a spring's, or level beyond a knee found by scan; or the motor's, if recorded",
         units: "rad/(N m) or m/N",
-        source: "Khalil, Besnard 2002: geometric calibration with flexibilities; a gear that stiffens: Spong 1987",
+        source: "Khalil, Besnard 2002; a gear that stiffens: Spong 1987",
         terms: joint_compliance,
     },
     Entry {
         kind: Kind::Backlash,
         name: "backlash",
-        formula: "value_i += c · side, side = ±1 by approach, by the side to which gravity pushes, or by whichever of friction (found by scan) and gravity is stronger; or side times gravity's torque, for friction that grows with the load; or how far it has wound itself up since it turned back",
+        formula: "value_i += c · side, side = ±1 by approach, by gravity, or by the stronger of gravity and friction (found by scan); or side times gravity's torque, for friction that grows with load; or by travel since the last reversal",
         units: "rad or m (half of the play)",
-        source: "play with the output resting on one flank; friction and its memory: Dahl 1968",
+        source: "play; friction and its memory: Dahl 1968",
         terms: backlash,
     },
     Entry {
@@ -146,7 +146,7 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::LinkCompliance,
         name: "link_compliance",
-        formula: "end of link i turns and shifts as a cantilever under gravity's wrench: c = 1/EI; or axis i tilts by c · moment across it",
+        formula: "end of link i moves as a cantilever under gravity's wrench, c = 1/EI; or axis i tilts by c · moment across it",
         units: "1/(N m²); rad/(N m)",
         source: "Euler-Bernoulli beam; bearing stiffness",
         terms: link_compliance,
@@ -154,7 +154,7 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::BaseCompliance,
         name: "base_compliance",
-        formula: "base turns by c · overturning moment, alike about every line or with six numbers, a softness for each way",
+        formula: "base turns by c · overturning moment, c one number or a 3 × 2 matrix",
         units: "rad/(N m)",
         source: "a floor or table as a spring",
         terms: base_compliance,
@@ -162,17 +162,17 @@ pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::Tilt,
         name: "tilt",
-        formula: "base, or far end of a slide's link, turns by c · inclination, a recorded column that is named tilt…",
+        formula: "base, or far end of a slide's link, turns by c · inclination, a column named tilt…",
         units: "rad per unit of the column",
-        source: "accelerometers on a lifting column: Kindle et al. 2025, IEEE RA-L 10(1)",
+        source: "lifting column: Kindle et al. 2025, IEEE RA-L 10(1)",
         terms: tilt,
     },
     Entry {
         kind: Kind::Thermal,
         name: "thermal",
-        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature; or joint value or length of its link += c · warmth, its own travel through a lag of first order (one of a few)",
+        formula: "joint value, link lengths, base, target, anchor or instrument += c · temperature; or joint value or its link's length += c · warmth (recent travel)",
         units: "carrier's unit per °C; per rad/s or rad/row (m/s, m/row)",
-        source: "thermal expansion; friction's heat and Newton's law of cooling",
+        source: "thermal expansion; Newton's law of cooling",
         terms: thermal,
     },
     Entry {
@@ -180,7 +180,7 @@ pub const KINDS: &[Entry] = &[
         name: "drift",
         formula: "the same carriers += c · f(time or run order), f linear, 1 - exp(-t/T), steps or straight pieces",
         units: "carrier's unit, or per s or row",
-        source: "set up again, collision, creep, a sensor's zero",
+        source: "new setup, collision, creep, a sensor's zero",
         terms: drift,
     },
     Entry {
@@ -188,7 +188,7 @@ pub const KINDS: &[Entry] = &[
         name: "latency",
         formula: "value_i += c · velocity_i for every joint",
         units: "s",
-        source: "readings and measured value taken at different times",
+        source: "readings and measurement at different times",
         terms: latency,
     },
     Entry {
@@ -196,15 +196,15 @@ pub const KINDS: &[Entry] = &[
         name: "instrument_scale",
         formula: "measured lengths are (1 + c) times too long",
         units: "m/m",
-        source: "wavelength or scale error of the instrument",
+        source: "the instrument's scale",
         terms: instrument_scale,
     },
     Entry {
         kind: Kind::TargetIncidence,
         name: "target_incidence",
-        formula: "range += c · u, u the direction from the instrument to the target in the tip's axes; or range += c, the same from every side",
+        formula: "range += c · u, u the direction from instrument to target in the tip's axes; or range += c",
         units: "m",
-        source: "range and angles have two centres in the target: a ball of glass in an eccentric shell, a window (US patent 7388654); a wrong prism constant",
+        source: "eccentric target (US patent 7388654); wrong prism constant",
         terms: target_incidence,
     },
 ];

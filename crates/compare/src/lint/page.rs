@@ -17,12 +17,10 @@ pub fn explain(rule: &Rule) -> String {
 pub fn page() -> String {
     let mut out = String::from(
         "# Rules of `denavit check`\n\n\
-         For a user who looks up a finding. Reason, wrong and corrected example of a rule: [explain](ci.md#rules). This page is made\n\
-         from the list of rules (`denavit check ‹rules›`).\n\n\
+         Made from the list of rules (`denavit check ‹rules›`). [Explanations](ci.md#rules) have examples.\n\n\
          A finding of level *error* makes the exit code 1. `‹allow› RULE` leaves a rule out, `‹deny› RULE` makes its findings\n\
-         errors; both take a number, a name or `all`, and both may be stated in [`denavit.toml`](ci.md#denavittoml):\n\n\
-         ```toml\n[rules]\nallow = [\"inertial-missing\"]\ndeny = [\"D010\"]\n```\n\n\
-         `‹fix›` fixes the rules marked *fixable*.\n\n",
+         errors; both take a number, a name or `all`, also in [`denavit.toml`](ci.md#denavittoml). `‹fix›` fixes the rules\n\
+         marked *fixable*.\n\n",
     );
     for rule in RULES {
         let fixable = if rule.fixable { ", fixable" } else { "" };
