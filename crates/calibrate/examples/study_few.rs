@@ -281,7 +281,9 @@ fn judged(
     let identification = identify(&real.chain, &train, &identify_options);
     outcome.nominal = rms(&off(&identification.nominal, &train, &test));
     outcome.geometric = rms(&off(&identification.geometric, &train, &test));
-    if let Ok(averaging) = averaged(&real.statics, &train, &identification, &identify_options, (&[], None)) {
+    let averaging = averaged(&real.statics, &train, &identification, &identify_options, (&[], None));
+    outcome.seconds[1] = started.elapsed().as_secs_f64();
+    if let Ok(averaging) = averaging {
         let left = off(&averaging.fit, &train, &test);
         outcome.averaged = rms(&left);
         if std::env::var("SIZES").is_ok() {
@@ -305,6 +307,5 @@ fn judged(
             held[1] += height as f64;
         }
     }
-    outcome.seconds[1] = started.elapsed().as_secs_f64();
     outcome
 }

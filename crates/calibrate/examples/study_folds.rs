@@ -23,7 +23,7 @@ fn main() {
     let mut order: Vec<usize> = (0..data.len()).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
     // Per way of modelling: sum of squares, sum, largest, rows.
-    let words = ["nominal", "geometry", "curves", "effects and curves"];
+    let words = ["nominal", "geometry", "curves", "result"];
     let mut sums = [[0.0, 0.0, 0.0, 0.0]; 4];
     for fold in 0..folds {
         let part = |held: bool| {
@@ -39,6 +39,7 @@ fn main() {
                 options.curves = Some(CurveOptions::default());
             } else {
                 options.trace = Some(TraceOptions::new(options.identify.clone()));
+                options.average = true;
             }
             let found = calibrate(&real.chain, &real.statics, train.clone(), Some(test.clone()), &options)
                 .unwrap_or_else(|error| panic!("{error}"));

@@ -3,8 +3,8 @@
 //! All is done in the space of the values, n × n: kinds may have any number of columns. Meant for some hundred values; of more rows
 //! take some.
 
-use crate::products::gram_of;
-use crate::triangle::Triangle;
+use crate::products::{cross_gram, gram_of};
+use crate::triangle::{Triangle, dot};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -44,15 +44,20 @@ impl Part {
         }
     }
 
+    /// Adds to the triangle of a symmetric matrix that holds the cells of each column up to its diagonal.
     fn add_to(&self, amount: f64, all: &mut DMatrix<f64>) {
-        match self {
-            Self::All(part) => all.iter_mut().zip(part.iter()).for_each(|(cell, own)| *cell += amount * own),
-            Self::Rows(blocks) => {
-                for (row, own) in blocks {
-                    let mut block = all.view_mut((row.start, row.start), own.shape());
-                    block += own * amount;
-                }
+        let n = all.nrows();
+        let mut add = |block: &DMatrix<f64>, first: usize| {
+            let size = block.nrows();
+            for (k, own) in block.as_slice().chunks_exact(size).enumerate() {
+                let column = (first + k) * n + first;
+                let cells = &mut all.as_mut_slice()[column..=column + k];
+                cells.iter_mut().zip(own).for_each(|(cell, own)| *cell += amount * own);
             }
+        };
+        match self {
+            Self::All(part) => add(part, 0),
+            Self::Rows(blocks) => blocks.iter().for_each(|(row, own)| add(own, row.start)),
         }
     }
 }
@@ -71,35 +76,43 @@ impl Components {
         evidence.is_finite().then_some(Self { inverse, solved, evidence })
     }
 
-    /// How the evidence rises per unit of a part's amount: tr(K⁻¹ C) - yᵀ K⁻¹ C K⁻¹ y.
-    pub fn slope(&self, part: &Part) -> f64 {
-        let [wide, narrow] = self.pulls(part);
-        wide - narrow
-    }
-
-    /// The two sides of that slope: tr(K⁻¹ C), by which a smaller amount is better, and yᵀ K⁻¹ C K⁻¹ y, by which a larger one is. Neither is
-    /// negative where C is a covariance.
-    pub fn pulls(&self, part: &Part) -> [f64; 2] {
-        let of = |block: &DMatrix<f64>, first: usize| {
-            let mut sums = [0.0; 2];
-            for (k, column) in block.column_iter().enumerate() {
-                let inverse = self.inverse.column(first + k);
-                let own = self.solved[first + k];
-                for (i, cell) in column.iter().enumerate() {
-                    sums[0] += cell * inverse[first + i];
-                    sums[1] += cell * own * self.solved[first + i];
-                }
+    /// The two sides of how the evidence rises per unit of a part's amount, tr(K⁻¹ C) - yᵀ K⁻¹ C K⁻¹ y.
+    pub fn pull(&self, part: &Part) -> Pull {
+        let n = self.solved.len();
+        let (mut wide, mut along) = (0.0, DVector::zeros(n));
+        let mut of = |block: &DMatrix<f64>, first: usize| {
+            let rows = first..first + block.nrows();
+            for (k, cells) in block.as_slice().chunks_exact(block.nrows()).enumerate() {
+                let column = &self.inverse.as_slice()[(first + k) * n..(first + k + 1) * n];
+                wide += dot(cells, &column[rows.clone()]);
+                along[first + k] += dot(cells, &self.solved.as_slice()[rows.clone()]);
             }
-            sums
         };
         match part {
             Part::All(all) => of(all, 0),
-            Part::Rows(blocks) => blocks.iter().fold([0.0; 2], |sums, (row, block)| {
-                let own = of(block, row.start);
-                [sums[0] + own[0], sums[1] + own[1]]
-            }),
+            Part::Rows(blocks) => blocks.iter().for_each(|(row, block)| of(block, row.start)),
         }
+        Pull { wide, narrow: along.dot(&self.solved), along }
     }
+
+    /// Aᵀ K⁻¹ A for columns Cₖ K⁻¹ y of [`Pull::along`]: with the amounts, the average of the expected and the observed information about them
+    /// (Gilmour, Thompson, Cullis 1995, Biometrics 51, 1440), of twice the log likelihood.
+    pub fn information(&self, along: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, count) = along.shape();
+        let solved = cross_gram(self.inverse.as_slice(), along.as_slice(), n);
+        DMatrix::from_vec(count, count, cross_gram(along.as_slice(), &solved, n))
+    }
+}
+
+/// How the evidence changes with the amount of a part.
+#[derive(Debug, Clone)]
+pub struct Pull {
+    /// tr(K⁻¹ C), by which a smaller amount is better; not negative where C is a covariance.
+    pub wide: f64,
+    /// yᵀ K⁻¹ C K⁻¹ y, by which a larger one is; the same.
+    pub narrow: f64,
+    /// C K⁻¹ y.
+    pub along: DVector<f64>,
 }
 
 #[cfg(test)]
@@ -133,7 +146,38 @@ mod tests {
                 at(moved)
             };
             let wanted = (moved(1e-6) - moved(-1e-6)) / 2e-6;
-            assert!((found.slope(&parts[k]) - wanted).abs() < 1e-5 * (1.0 + wanted.abs()));
+            let Pull { wide, narrow, .. } = found.pull(&parts[k]);
+            assert!((wide - narrow - wanted).abs() < 1e-5 * (1.0 + wanted.abs()));
+        }
+    }
+
+    #[test]
+    fn information_is_the_average_of_what_is_expected_and_observed() {
+        let problem = example(6, 9);
+        let parts: Vec<Part> =
+            [(0, 4), (4, 5)].map(|(from, count)| Part::of_columns(&problem.columns.columns(from, count).into())).into();
+        let noise = Part::Rows(problem.rows.iter().cloned().zip(problem.noise.iter().cloned()).collect());
+        let at = |amounts: [f64; 2]| {
+            Components::of(&problem.data, parts.iter().zip(amounts).chain([(&noise, 1.0)])).unwrap()
+        };
+        let slope = |amounts: [f64; 2], k: usize| {
+            let pull = at(amounts).pull(&parts[k]);
+            pull.wide - pull.narrow
+        };
+        let (amounts, found) = ([0.7, 0.2], at([0.7, 0.2]));
+        let along = DMatrix::from_columns(&[0, 1].map(|k| found.pull(&parts[k]).along));
+        let average = found.information(&along);
+        let whole = |k: usize| {
+            let Part::All(part) = &parts[k] else { unreachable!() };
+            part.clone()
+        };
+        for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+            let mut moved = [amounts; 2];
+            moved[0][j] += 1e-6;
+            moved[1][j] -= 1e-6;
+            let observed = (slope(moved[0], i) - slope(moved[1], i)) / 2e-6;
+            let expected = (&found.inverse * whole(i) * &found.inverse * whole(j)).trace();
+            assert!((average[(i, j)] - 0.5 * (observed + expected)).abs() < 1e-5 * (1.0 + expected), "{i} {j}");
         }
     }
 }

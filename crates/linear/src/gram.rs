@@ -89,6 +89,37 @@ impl Gram {
         if self.in_rows { solved(z) } else { z - &self.scaled * solved(&self.scaled.tr_mul(z)) }
     }
 
+    /// L⁻¹ of values: each in its noise.
+    pub fn in_noise(&self, values: &DVector<f64>) -> DVector<f64> {
+        let mut values = values.clone();
+        for (row, lower) in self.rows.iter().zip(&self.noise) {
+            lower.solve_lower_triangular_mut(&mut values.rows_mut(row.start, row.len()));
+        }
+        values
+    }
+
+    /// What to add to coefficients `at` so that they are the most probable ones of a problem with these `columns` whose values are off by
+    /// `residual` there. Noise, priors and curvature are this one's: where columns change little on the way, such steps lead to the end and need
+    /// no new factor. From `at` = 0 on, with this problem's own columns and values, it is the posterior mean.
+    pub fn step(&self, columns: &DMatrix<f64>, residual: &DVector<f64>, at: &DVector<f64>) -> DVector<f64> {
+        let mut weighted = self.in_noise(residual);
+        for (row, lower) in self.rows.iter().zip(&self.noise) {
+            lower.tr_solve_lower_triangular_mut(&mut weighted.rows_mut(row.start, row.len()));
+        }
+        let downhill = columns.tr_mul(&weighted).component_mul(&self.deviations) - at.component_div(&self.deviations);
+        let solved = |b: &DVector<f64>| {
+            let x = self.factor.backward(&self.factor.forward(b.as_slice()));
+            DVector::from_vec(x)
+        };
+        // (I + Bᵀ B)⁻¹ = I - Bᵀ (I + B Bᵀ)⁻¹ B.
+        let step = if self.in_rows {
+            &downhill - self.scaled.tr_mul(&solved(&(&self.scaled * &downhill)))
+        } else {
+            solved(&downhill)
+        };
+        step.component_mul(&self.deviations)
+    }
+
     /// C with `Cᵀ C` = Bᵀ K⁻¹ B (in rows) or = I - Bᵀ K⁻¹ B = (I + Bᵀ B)⁻¹ (in columns), p columns.
     pub(crate) fn root(&self) -> DMatrix<f64> {
         let (n, p) = self.size();
@@ -166,6 +197,25 @@ pub(crate) mod tests {
             let inverse = all.try_inverse().unwrap();
             for (row, block) in gram.rows.iter().zip(gram.inverse_blocks()) {
                 assert!((block - inverse.view((row.start, row.start), (2, 2))).norm() < 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_lead_to_the_posterior_mean_from_anywhere_and_with_the_curvature_of_a_neighbour() {
+        for (rows, coefficients) in [(4, 30), (20, 6)] {
+            let problem = example(rows, coefficients);
+            let gram = problem.clone().gram().unwrap();
+            let wanted = gram.mean();
+            let mut near = problem.clone();
+            near.columns.iter_mut().enumerate().for_each(|(k, cell)| *cell += 0.01 * (k as f64).cos());
+            let near = near.gram().unwrap();
+            for (curvature, steps) in [(&gram, 1), (&near, 25)] {
+                let mut at = DVector::from_fn(coefficients, |k, _| (k as f64).sin());
+                for _ in 0..steps {
+                    at += curvature.step(&problem.columns, &(&problem.data - &problem.columns * &at), &at);
+                }
+                assert!((&at - &wanted).amax() < 1e-8, "{steps}: {}", (&at - &wanted).amax());
             }
         }
     }

@@ -25,6 +25,6 @@ pub mod stop;
 pub mod threads;
 pub mod triangle;
 
-pub use components::{Components, Part};
+pub use components::{Components, Part, Pull};
 pub use gram::{Gram, Problem};
 pub use posterior::Posterior;

@@ -16,6 +16,7 @@ use crate::effects::model::{Effect, EffectModel, Standing, Term};
 use crate::observation::arm::{AlongSight, Arm, Perturbation, RowState};
 use crate::observation::measurements::{Column, MissingColumn};
 use crate::observation::parameters::Sensitivity;
+use denavit_linear::triangle::dot;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
@@ -218,13 +219,15 @@ impl Averaged {
             let frame = (0..6).filter(|_| instrument.is_some()).map(|k| moved(&Vector6::ith(k, 1.0)));
             let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
             let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
-            let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
-            let of = |rows: &DMatrix<f64>, covariance: &DMatrix<f64>| {
-                ((rows * covariance).component_mul(rows).sum() / 3.0).max(0.0)
+            let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| columns.iter().map(|column| column[axis]).collect());
+            let of = |first: usize| {
+                let covariances = spread.covariance.as_slice().chunks_exact(columns.len()).enumerate().skip(first);
+                let each = covariances.flat_map(|(k, covariance)| {
+                    axes.iter().map(move |axis| axis[k] * dot(&axis[first..], &covariance[first..]))
+                });
+                (each.sum::<f64>() / 3.0).max(0.0)
             };
-            let (first, beside) = (spread.kept.len(), columns.len() - spread.kept.len());
-            let placing = spread.covariance.view((first, first), (beside, beside)).into_owned();
-            [of(&rows, &spread.covariance), of(&rows.columns(first, beside).into_owned(), &placing)]
+            [of(0), of(spread.kept.len())]
         };
         let beyond = of_curves * self.beyond_the_waves(conditions, state, &p);
         let [of_geometry, of_placement] = variance(geometric_spread);

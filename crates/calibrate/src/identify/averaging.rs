@@ -34,7 +34,7 @@ const PASSES: usize = 3;
 /// The same for a model that is compared with: it begins at the fit.
 const PASSES_OF_NAMED: usize = 1;
 /// Steps with the sizes found, at most, until what is read changes by less than this share of the noise's variance.
-const MORE_STEPS: usize = 12;
+const STEPS_TO_SETTLE: usize = 16;
 const SETTLED: f64 = 0.01;
 /// Shortest share of a step that goes to and fro.
 const LEAST_SHARE: f64 = 0.25;
@@ -290,37 +290,57 @@ impl Averager<'_> {
         linearised(self.data, rows, (&at.arm, &at.model, &self.layout), (self.observed, &self.weights))
     }
 
+    /// Sizes found anew.
+    fn sized(&self, at: &At, rows: &Linearised, pass: usize) -> Sizes {
+        fitted(rows, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0))
+    }
+
     /// Sizes found anew, everything at its posterior mean.
-    fn pass(&self, at: &At, pass: usize, rows: &[usize]) -> Option<At> {
-        let some = self.linearised(&self.some, at);
-        let sizes = fitted(&some, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0));
-        let own = if rows == self.some { some } else { self.linearised(rows, at) };
-        self.at_mean(at, sizes, &own, 1.0).map(|(at, _)| at)
+    fn pass(&self, at: &At, pass: usize) -> Option<At> {
+        let rows = self.linearised(&self.some, at);
+        let at = At { sizes: self.sized(at, &rows, pass), ..at.clone() };
+        Some(self.at_mean(&at, &rows, &self.curvature(&rows, &at)?, 1.0).0)
     }
 
-    /// Everything at its posterior mean, by these rows, or this share of the way to it; and what the whole step changes of what is read: mean
-    /// square, each value in its noise.
-    fn at_mean(&self, at: &At, sizes: Sizes, rows: &Linearised, share: f64) -> Option<(At, f64)> {
-        let (problem, chosen) = problem(rows, self.terms, &sizes);
-        let mut mean = vec![0.0; rows.columns.ncols()];
-        let noise: Vec<DVector<f64>> = problem.noise.iter().map(DMatrix::diagonal).collect();
-        let found = problem.gram()?.mean();
-        chosen.iter().zip(found.iter()).for_each(|(&column, number)| mean[column] = *number);
-        let mut step = DVector::from_vec(mean.clone());
-        step.iter_mut().zip(at.model.numbers()).for_each(|(step, number)| *step -= number);
-        let changes = &rows.columns * &step;
-        let change =
-            changes.iter().zip(noise.iter().flatten()).map(|(change, noise)| change * change / noise).sum::<f64>();
-        mean.copy_from_slice((step * share).as_slice());
-        mean.iter_mut().zip(at.model.numbers()).for_each(|(number, from)| *number += from);
-        Some((self.stepped(at, sizes, &mean), change / rows.data.len() as f64))
+    /// The factored model there, and which columns are in it.
+    fn curvature(&self, rows: &Linearised, at: &At) -> Option<(Gram, Vec<usize>)> {
+        let (problem, chosen) = problem(rows, self.terms, &at.sizes);
+        Some((problem.gram()?, chosen))
     }
 
-    /// The same with these sizes until nothing changes any more.
+    /// Everything at its posterior mean, by these rows and this curvature, or this share of the way to it; and what the whole step changes of what
+    /// is read: mean square, each value in its noise.
+    fn at_mean(&self, at: &At, rows: &Linearised, (gram, chosen): &(Gram, Vec<usize>), share: f64) -> (At, f64) {
+        let mut numbers = DVector::zeros(rows.columns.ncols());
+        numbers.iter_mut().zip(at.model.numbers()).for_each(|(place, number)| *place = number);
+        let residual = &rows.data - &rows.columns * &numbers;
+        let columns = rows.columns.select_columns(chosen);
+        let step = gram.step(&columns, &residual, &numbers.select_rows(chosen));
+        // What is not among the columns goes to nothing.
+        let mut whole = -numbers;
+        chosen.iter().zip(step.iter()).for_each(|(&column, step)| whole[column] = *step);
+        let changes = &rows.columns * &whole;
+        let change = gram.in_noise(&changes).norm_squared() / rows.data.len() as f64;
+        whole *= share;
+        let of_model = at.model.numbers().len();
+        let (arm, model) =
+            (self.layout.stepped(&at.arm, whole.as_slice()), at.model.stepped(&whole.as_slice()[..of_model]));
+        (At { arm, model, sizes: at.sizes.clone() }, change)
+    }
+
+    /// The same with these sizes until nothing changes any more. The curvature stays as long as steps become shorter by it.
     fn settled(&self, at: At, rows: &[usize]) -> Option<At> {
-        let (mut at, mut before, mut share) = (at, f64::INFINITY, 1.0);
-        for _ in 0..MORE_STEPS {
-            let (next, change) = self.at_mean(&at, at.sizes.clone(), &self.linearised(rows, &at), share)?;
+        let (mut at, mut before, mut share, mut known) = (at, f64::INFINITY, 1.0, None);
+        for _ in 0..STEPS_TO_SETTLE {
+            let rows = self.linearised(rows, &at);
+            let by_known = known.take().map(|known| (self.at_mean(&at, &rows, &known, share), known));
+            let shorter = by_known.filter(|((_, change), _)| *change < 0.5 * before);
+            let ((next, change), curvature) = if let Some(step) = shorter {
+                step
+            } else {
+                let fresh = self.curvature(&rows, &at)?;
+                (self.at_mean(&at, &rows, &fresh, share), fresh)
+            };
             at = next;
             if change < SETTLED {
                 break;
@@ -329,7 +349,7 @@ impl Averager<'_> {
             if change > 0.5 * before {
                 share = (0.5 * share).max(LEAST_SHARE);
             }
-            before = change;
+            (before, known) = (change, Some(curvature));
         }
         Some(at)
     }
@@ -345,21 +365,14 @@ impl Averager<'_> {
         let mut at =
             At { arm: plain.arm.clone(), model: self.terms.model.stepped(&step), sizes: Sizes::of_model(noise) };
         for _ in 0..PASSES_OF_NAMED {
-            (at, _) = self.at_mean(&at, at.sizes.clone(), &self.linearised(&self.some, &at), 1.0)?;
+            let rows = self.linearised(&self.some, &at);
+            (at, _) = self.at_mean(&at, &rows, &self.curvature(&rows, &at)?, 1.0);
         }
         let left = self.left_out(&at)?.1;
         let channels = self.data.scene.channels.iter().zip(noise).filter(|(channel, _)| channel.unit == "m");
         let noise = channels.map(|(_, level)| level * level).fold(0.0, f64::max);
         let chance = 2.0 * (named.candidates.max(1) as f64).ln() * named.chosen as f64 * noise / values(&left);
         Some((mean_square(&left) + chance).sqrt())
-    }
-
-    fn stepped(&self, at: &At, sizes: Sizes, mean: &[f64]) -> At {
-        let numbers = at.model.numbers();
-        let mut step = mean.to_vec();
-        step.iter_mut().zip(&numbers).for_each(|(step, number)| *step -= number);
-        let arm = self.layout.stepped(&at.arm, &step);
-        At { arm, model: at.model.stepped(&step[..numbers.len()]), sizes }
     }
 
     /// The averaged prediction, and where geometry alone comes to stand.
@@ -371,16 +384,16 @@ impl Averager<'_> {
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
         let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry, true) };
         for pass in 0..=PASSES {
-            plain = self.pass(&plain, pass, &self.some)?;
+            plain = self.pass(&plain, pass)?;
         }
         plain = self.settled(plain, &self.some)?;
         let (of_plain, of_geometry) = self.left_out(&plain)?;
         let all = start(&|_| true, false);
         let mut at = At { sizes: all, ..plain.clone() };
-        for pass in 0..PASSES {
-            let rows = if pass + 1 < PASSES { &self.some } else { &self.all };
-            at = self.pass(&at, pass, rows)?;
+        for pass in 0..PASSES - 1 {
+            at = self.pass(&at, pass)?;
         }
+        at.sizes = self.sized(&at, &self.linearised(&self.some, &at), PASSES - 1);
         at = self.settled(at, &self.all)?;
         let (spread, left_out) = self.left_out(&at)?;
         let v_g = mean_square(&of_geometry);

@@ -10,10 +10,10 @@ use crate::identify::averaging::linearised::Linearised;
 use crate::identify::averaging::terms::{Family, Terms};
 use crate::observation::measurements::Measurements;
 use denavit_linear::gram::Problem;
-use denavit_linear::minimise::minimise;
-use denavit_linear::products::gram_of;
+use denavit_linear::minimise::{Local, minimise};
+use denavit_linear::products::cross_gram;
 use denavit_linear::threads::{each_alone, on_this_thread};
-use denavit_linear::{Components, Part};
+use denavit_linear::{Components, Part, Pull};
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ const NOTHING: f64 = 5e-8;
 /// The search ends where -2 log of the likelihood falls by less than this per unit of any logarithm.
 const LEAST_SLOPE: f64 = 0.1;
 /// Steps of minorisation and maximisation before those of the search.
-const WARM_UP: usize = 10;
+const WARM_UP: usize = 4;
 
 /// The sizes, as natural logarithms.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,22 +140,21 @@ impl Sizes {
         noise.chain([ln((1e-7, 3e-3)), ln((0.05, 2.0))]).chain(self.families.iter().map(family)).collect()
     }
 
-    /// -2 log of what is expected of the sizes, and its derivatives.
-    fn expected(&self) -> (f64, Vec<f64>) {
+    /// -2 log of what is expected of each size, its derivative and its second one.
+    fn expected(&self) -> Vec<[f64; 3]> {
         let cauchy = |size: f64| {
             let ratio = (2.0 * size).exp() / USUAL.powi(2);
-            (2.0 * ratio.ln_1p(), 4.0 * ratio / (1.0 + ratio))
+            [2.0 * ratio.ln_1p(), 4.0 * ratio / (1.0 + ratio), 8.0 * ratio / (1.0 + ratio).powi(2)]
         };
         let normal = |size: f64, (mean, deviation): (f64, f64)| {
             let z = (size - mean) / deviation;
-            (z * z, 2.0 * z / deviation)
+            [z * z, 2.0 * z / deviation, 2.0 / deviation.powi(2)]
         };
         let of =
             |(family, size): &(Family, f64)| tolerated(*family).map_or_else(|| cauchy(*size), |by| normal(*size, by));
         let noise = self.noise.iter().zip(&self.levels).map(|(size, level)| normal(*size, (*level, LEVEL)));
         let each = noise.chain([cauchy(self.joints), normal(self.length, LENGTH)]);
-        let each: Vec<(f64, f64)> = each.chain(self.families.iter().map(of)).collect();
-        (each.iter().map(|(value, _)| value).sum(), each.into_iter().map(|(_, slope)| slope).collect())
+        each.chain(self.families.iter().map(of)).collect()
     }
 
     /// Prior variance of each number of the model.
@@ -219,15 +218,25 @@ struct Parts {
     joints: Part,
     families: Vec<Option<Part>>,
     curves: Vec<JointCurve>,
-    /// The row of each value.
+    /// The row of each value, and where each row begins, the end of the last beside.
     row_of: Vec<usize>,
+    starts: Vec<usize>,
+}
+
+/// -2 log p(y) of some rows for some sizes.
+struct Evidence {
+    value: f64,
+    /// Of each size the two sides of half its derivative by the size's logarithm: see [`Pull`].
+    pulls: Vec<[f64; 2]>,
+    /// About its second derivatives by those: [`Components::information`].
+    information: DMatrix<f64>,
 }
 
 /// A joint's curve in some rows.
 struct JointCurve {
-    /// J_j J_jᵀ, values × values.
-    moved: DMatrix<f64>,
-    /// Waves over each row, and the frequency and variance per density of each.
+    /// J_j, of each value.
+    moved: Vec<f64>,
+    /// Waves, a column for each row, and the frequency and variance per density of each.
     waves: DMatrix<f64>,
     frequencies: Vec<f64>,
     per_density: f64,
@@ -265,9 +274,8 @@ impl Parts {
         if sizes.of(Family::Curve).is_some() {
             let mut first = terms.model.coefficients();
             for (curve, &joint) in terms.model.0.curves.iter().zip(&terms.joints) {
-                let moved = rows.columns.column(joint);
                 curves.push(JointCurve {
-                    moved: moved * moved.transpose(),
+                    moved: rows.columns.column(joint).iter().copied().collect(),
                     waves: waves(rows, terms, curve, data),
                     frequencies: terms.frequencies[first..first + curve.waves.len()].to_vec(),
                     per_density: curve.waves.variance_per_density(),
@@ -285,6 +293,7 @@ impl Parts {
             families: sizes.families.iter().map(family).collect(),
             curves,
             row_of,
+            starts: rows.rows.iter().map(|row| row.start).chain([values]).collect(),
         }
     }
 
@@ -293,38 +302,49 @@ impl Parts {
         let values = self.data.len();
         let mut both = [DMatrix::zeros(values, values), DMatrix::zeros(values, values)];
         for curve in &self.curves {
-            let rows = curve.waves.nrows();
-            for (slope, sum) in both.iter_mut().enumerate() {
-                // Of a squared exponential the derivative is negative for fast waves: both signs are formed for themselves.
-                for sign in [1.0, -1.0] {
-                    let factor = |frequency: f64| {
-                        let by_length = 1.0 - (frequency * length).powi(2);
-                        density(frequency, length) * if slope == 0 { 1.0 } else { by_length }
-                    };
-                    let own: Vec<usize> =
-                        (0..curve.frequencies.len()).filter(|&k| sign * factor(curve.frequencies[k]) > 1e-12).collect();
-                    if own.is_empty() {
-                        continue;
-                    }
-                    let scaled = DMatrix::from_fn(own.len(), rows, |i, row| {
-                        let size = (sign * factor(curve.frequencies[own[i]]) * curve.per_density).sqrt();
-                        size * curve.waves[(row, own[i])]
-                    });
-                    let kernel = gram_of(scaled.as_slice(), own.len());
-                    for right in 0..values {
-                        let kernel = &kernel[self.row_of[right] * rows..(self.row_of[right] + 1) * rows];
-                        for left in 0..values {
-                            sum[(left, right)] += sign * kernel[self.row_of[left]] * curve.moved[(left, right)];
-                        }
-                    }
-                }
+            // Fast waves are nothing.
+            let own: Vec<usize> =
+                (0..curve.frequencies.len()).filter(|&k| density(curve.frequencies[k], length) > 1e-12).collect();
+            let (waves, count) = (curve.waves.select_rows(&own), own.len());
+            if count == 0 {
+                continue;
             }
+            let sizes: Vec<[f64; 2]> = own
+                .iter()
+                .map(|&k| {
+                    let size = curve.per_density * density(curve.frequencies[k], length);
+                    [size, size * (1.0 - (curve.frequencies[k] * length).powi(2))]
+                })
+                .collect();
+            for (slope, sum) in both.iter_mut().enumerate() {
+                let scaled = DMatrix::from_fn(count, waves.ncols(), |k, row| sizes[k][slope] * waves[(k, row)]);
+                let kernel = cross_gram(scaled.as_slice(), waves.as_slice(), count);
+                self.add_kernel(&kernel, &curve.moved, sum);
+            }
+        }
+        for sum in &mut both {
+            sum.fill_lower_triangle_with_upper_triangle();
         }
         both.map(Part::All)
     }
 
-    /// -2 log p(y), and of each size the two sides of half its derivative by the size's logarithm: see [`Components::pulls`].
-    fn evidence(&self, sizes: &Sizes) -> Option<(f64, Vec<[f64; 2]>)> {
+    /// Adds to the upper triangle of a covariance of values what moves each of them so much and has this covariance of the rows.
+    fn add_kernel(&self, kernel: &[f64], moved: &[f64], sum: &mut DMatrix<f64>) {
+        let (values, rows) = (moved.len(), self.starts.len() - 1);
+        for (right, column) in sum.as_mut_slice().chunks_exact_mut(values).enumerate() {
+            let kernel = &kernel[self.row_of[right] * rows..];
+            let rows = kernel[..=self.row_of[right]].iter().zip(self.starts.windows(2));
+            for (kernel, ends) in rows {
+                let times = kernel * moved[right];
+                let own = ends[0]..ends[1];
+                let cells = column[own.clone()].iter_mut().zip(&moved[own]);
+                cells.for_each(|(cell, moved)| *cell += times * moved);
+            }
+        }
+    }
+
+    /// -2 log p(y), and how it changes with the logarithm of each size.
+    fn evidence(&self, sizes: &Sizes) -> Option<Evidence> {
         let amount = |size: f64| (2.0 * size).exp();
         let curves = (!self.curves.is_empty()).then(|| self.curves(sizes.length.exp()));
         let mut parts: Vec<(Option<&Part>, f64)> = Vec::new();
@@ -338,14 +358,22 @@ impl Parts {
         let always = [(&self.frames, PLACED * PLACED), (&self.known, 1.0)];
         let all = parts.iter().filter_map(|(part, amount)| Some(((*part)?, *amount))).chain(always);
         let found = Components::of(&self.data, all)?;
-        let pulls = |(part, amount): &(Option<&Part>, f64)| {
-            part.map_or([0.0; 2], |part| found.pulls(part).map(|pull| pull * amount))
+        let mut along = DMatrix::zeros(self.data.len(), parts.len());
+        let mut pulls = vec![[0.0; 2]; parts.len()];
+        let mut take = |place: usize, part: &Part, amount: f64| {
+            let Pull { wide, narrow, along: own } = found.pull(part);
+            pulls[place] = [wide * amount, narrow * amount];
+            along.column_mut(place).axpy(2.0 * amount, &own, 0.0);
         };
-        let mut pulls: Vec<[f64; 2]> = parts.iter().map(pulls).collect();
-        if let (Some([_, by_length]), Some(size)) = (&curves, sizes.of(Family::Curve)) {
-            pulls[sizes.noise.len() + 1][0] = 0.5 * amount(size) * found.slope(by_length);
+        for (place, (part, amount)) in parts.iter().enumerate() {
+            if let Some(part) = part {
+                take(place, part, *amount);
+            }
         }
-        Some((found.evidence, pulls))
+        if let (Some([_, by_length]), Some(size)) = (&curves, sizes.of(Family::Curve)) {
+            take(sizes.noise.len() + 1, by_length, 0.5 * amount(size));
+        }
+        Some(Evidence { value: found.evidence, information: found.information(&along), pulls })
     }
 
     /// The sum of the variances that a family adds per unit of its amount.
@@ -365,26 +393,34 @@ pub fn fitted(
 ) -> Sizes {
     let parts: Vec<Parts> = rows.parts().iter().map(|rows| Parts::of(rows, terms, start, data)).collect();
     let evidence = |sizes: &Sizes| {
-        let (mut value, mut pulls) = (0.0, vec![[0.0; 2]; sizes.numbers().len()]);
+        let count = sizes.numbers().len();
+        let mut sum = Evidence { value: 0.0, pulls: vec![[0.0; 2]; count], information: DMatrix::zeros(count, count) };
         for found in each_alone(&parts, |part| part.evidence(sizes)) {
-            let (own, of_part) = found?;
-            value += own;
-            pulls.iter_mut().zip(of_part).for_each(|(pull, own)| *pull = [pull[0] + own[0], pull[1] + own[1]]);
+            let own = found?;
+            sum.value += own.value;
+            sum.information += own.information;
+            sum.pulls.iter_mut().zip(own.pulls).for_each(|(pull, own)| *pull = [pull[0] + own[0], pull[1] + own[1]]);
         }
-        Some((value, pulls))
+        Some(sum)
     };
     let objective = |numbers: &[f64]| {
         let sizes = start.with(numbers);
-        let (value, pulls) = evidence(&sizes)?;
-        let (expected, slopes) = sizes.expected();
-        let slopes = slopes.iter().zip(&pulls).map(|(slope, [wide, narrow])| slope + 2.0 * (wide - narrow));
-        Some((value + expected, slopes.collect()))
+        let Evidence { mut value, pulls, information: mut curvature } = evidence(&sizes)?;
+        let mut slope = DVector::from_iterator(pulls.len(), pulls.iter().map(|[wide, narrow]| 2.0 * (wide - narrow)));
+        for (k, [expected, by_size, curved]) in sizes.expected().into_iter().enumerate() {
+            value += expected;
+            slope[k] += by_size;
+            curvature[(k, k)] += curved;
+        }
+        Some(Local { value, slope, curvature })
     };
+    // Of geometry as it is tolerated the noise alone is unknown: there is no plateau.
+    let anew = anew && !start.as_tolerated;
     let search = |start: &Sizes| {
         let mut from = start.clone();
         if anew {
             for _ in 0..WARM_UP {
-                from = from.balanced(&evidence(&from)?.1);
+                from = from.balanced(&evidence(&from)?.pulls);
             }
         }
         minimise(&mut |numbers: &[f64]| objective(numbers), &from.numbers(), &start.bounds(), most, LEAST_SLOPE)
@@ -428,14 +464,14 @@ impl Sizes {
     /// over what pulls it down (Zhou, Hu, Zhou, Lange 2019, Journal of Computational and Graphical Statistics 28, 350). Shares of tolerances
     /// and the length stay.
     fn balanced(&self, pulls: &[[f64; 2]]) -> Self {
-        let (_, expected) = self.expected();
+        let expected = self.expected();
         let (mut numbers, bounds) = (self.numbers(), self.bounds());
         let channels = self.noise.len();
         for (k, number) in numbers.iter_mut().enumerate() {
             let family = k.checked_sub(channels + 2).map(|at| self.families[at].0);
             let amount = k <= channels || family.is_some_and(|family| tolerated(family).is_none());
             let [wide, narrow] = pulls[k];
-            let wide = wide + 0.5 * expected[k];
+            let wide = wide + 0.5 * expected[k][1];
             if amount && wide > 0.0 {
                 let step = 0.25 * (narrow.max(f64::MIN_POSITIVE) / wide).ln();
                 *number = (*number + step).clamp(bounds[k].0, bounds[k].1);
@@ -445,14 +481,14 @@ impl Sizes {
     }
 }
 
-/// Waves of a joint's curve over each row.
+/// Waves of a joint's curve, a column for each row.
 fn waves(rows: &Linearised, terms: &Terms, curve: &Curve, data: &Measurements) -> DMatrix<f64> {
     let joint = &terms.model.0.statics.chain.joints()[curve.joint];
-    let mut all = DMatrix::zeros(rows.rows.len(), curve.waves.len());
+    let mut all = DMatrix::zeros(curve.waves.len(), rows.rows.len());
     for (row, source) in rows.sources.iter().enumerate() {
         if let Some(source) = source {
             let values = curve.waves.values(joint.value(data.reading(*source)));
-            values.into_iter().enumerate().for_each(|(k, value)| all[(row, k)] = value);
+            values.into_iter().enumerate().for_each(|(k, value)| all[(k, row)] = value);
         }
     }
     all
