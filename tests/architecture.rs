@@ -178,6 +178,46 @@ fn rooms_of_calibrate_know_only_those_before_them() {
     assert!(order.is_sorted(), "lib.rs draws the rooms in another order");
 }
 
+/// The names that the root of `denavit-calibrate` promises: what only the feature `unstable` shows is left out.
+fn promised_by_calibrate(lib: &str) -> Vec<String> {
+    let uses = lib.split("\npub use ").collect::<Vec<_>>();
+    let is_open = |before: &str| before.trim_end().ends_with("#[cfg(feature = \"unstable\")]");
+    let promised = uses.windows(2).filter(|pair| !is_open(pair[0])).map(|pair| pair[1].split(';').next().unwrap());
+    let names = promised.flat_map(|path| match path.split_once('{') {
+        Some((_, list)) => list.trim_end_matches('}').split(',').map(str::trim).collect::<Vec<_>>(),
+        None => vec![path.rsplit("::").next().unwrap()],
+    });
+    let last = |name: &str| name.rsplit(" as ").next().unwrap().to_owned();
+    names.filter(|name| !name.is_empty()).map(last).collect()
+}
+
+#[test]
+fn calibrate_promises_some_sixty_names() {
+    let folder = top().join("crates/calibrate");
+    let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    let lib = read("src/lib.rs");
+    for room in ROOMS {
+        assert!(
+            lib.contains(&format!("#[cfg(feature = \"unstable\")]\npub mod {room};")),
+            "{room} is open to everyone"
+        );
+    }
+    assert_eq!(lib.matches("pub mod ").count(), ROOMS.len(), "a module of calibrate that is no room");
+    let names = promised_by_calibrate(&lib);
+    assert!((50..=70).contains(&names.len()), "{} names: {names:?}", names.len());
+    assert!(!names.iter().any(|name| name == "*"), "{names:?}");
+    let example = read("examples/calibrate_arm.rs");
+    let used = example.split("use denavit_calibrate::{").nth(1).unwrap().split('}').next().unwrap();
+    for name in used.split(',').map(str::trim) {
+        assert!(names.iter().any(|promised| promised == name), "calibrate_arm.rs uses {name}, which is not promised");
+    }
+    assert_eq!(example.matches("denavit_calibrate").count(), 1, "calibrate_arm.rs reaches into a room");
+    assert!(
+        read("Cargo.toml").contains("[package.metadata.docs.rs]\nfeatures = [\"pages\"]"),
+        "docs.rs shows the rooms"
+    );
+}
+
 /// Lines of code of the libraries, comments left out, each with its file.
 fn library_lines() -> Vec<(std::path::PathBuf, String)> {
     let mut lines = Vec::new();
@@ -266,7 +306,7 @@ fn is_private(folder: &std::path::Path, file: &std::path::Path) -> bool {
     let lib = std::fs::read_to_string(folder.join("src/lib.rs")).unwrap();
     let inside = file.strip_prefix(folder.join("src")).unwrap().with_extension("");
     let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
-    lib.contains(&format!("\nmod {first};"))
+    lib.contains(&format!("\nmod {first};")) && !lib.contains(&format!("\npub mod {first};"))
 }
 
 #[test]

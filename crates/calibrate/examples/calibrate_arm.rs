@@ -1,9 +1,6 @@
 //! Calibrates a URDF's longest chain, and prints the report: `calibrate_arm ROBOT.urdf MEASUREMENTS.csv` (m, rad).
 
-use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::observation::measurements::{Units, read};
-use denavit_calibrate::report::text::report;
+use denavit_calibrate::{CalibrateOptions, Statics, Units, calibrate, read, report};
 use denavit_model::{Reading, urdf};
 
 #[expect(clippy::print_stdout, reason = "this is a program")]

@@ -1,6 +1,6 @@
 //! A model of one day compared with rows of a later one, tracker and target mounted anew: what calibrations promise.
 //!
-//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
+//! `cargo run --release -p denavit-calibrate --features unstable --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
 //! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
 //! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of

@@ -1,6 +1,6 @@
 //! How often intervals hold the truth: bands of error curves, coefficients of effects.
 //!
-//! `cargo run --release -p denavit-calibrate --example study_coverage -- [RUNS] [others]`
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_coverage -- [RUNS] [others]`
 //!
 //! UR5e, off by 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad. Curves: three
 //! joints err by four sines of orders between 1.5 and 8. A curve is compared with the truth less its mean over the rows, which is

@@ -1,4 +1,4 @@
-//! Few rows of every real set: `cargo run --release -p denavit-calibrate --example study_few -- DRAWS.json [SIZES [SETS]]`.
+//! Few rows of every real set: `cargo run --release -p denavit-calibrate --features unstable --example study_few -- DRAWS.json [SIZES [SETS]]`.
 //!
 //! Of each set ten draws of 15 to 200 rows (postures are never split) are fitted and judged on up to 300 other rows: error of each stage over
 //! that of plain geometry, whether the predicted error holds, and by which the set is harmed. The draws are written to the first argument

@@ -1,4 +1,4 @@
-//! Every row held out once: `cargo run --release -p denavit-calibrate --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
+//! Every row held out once: `cargo run --release -p denavit-calibrate --features unstable --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
 //!
 //! Rows are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (link), `UNITS`
 //! (such as mm,deg), `SEED` of the deal.

@@ -1,6 +1,6 @@
 //! How often a cause is named where none acts, or where twenty tiny ones do: noise as real files have it.
 //!
-//! `cargo run --release -p denavit-calibrate --example study_honesty -- FILES [ROWS ...]`
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_honesty -- FILES [ROWS ...]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};

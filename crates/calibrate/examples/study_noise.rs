@@ -1,7 +1,7 @@
 //! What noise is estimated to be made of, beside what it was made of: how often the intervals of each source hold its true size, how often
 //! a source is claimed that is there, and how often one that is not.
 //!
-//! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_noise -- [RUNS [ROWS]]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};

@@ -1,7 +1,7 @@
 //! Two days of one robot that gives under gravity and whose gears err: the second day's ten poses with the first day's calibration
 //! beside one fit of both days.
 //!
-//! `cargo run --release -p denavit-calibrate --example study_prior -- [RUNS]`
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_prior -- [RUNS]`
 //!
 //! UR5e as in `study_coverage`: 300 poses on the first day, instrument and target placed anew on the second; errors on 200 rows of the
 //! second day that no fit saw, the noise of these rows in it.

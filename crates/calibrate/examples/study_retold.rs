@@ -1,5 +1,5 @@
 //! One robot's run told in several ways: whether the tracer names the same causes.
-//! `cargo run --release -p denavit-calibrate --example study_retold -- FOLDER [PART OF A NAME]`, a folder of blind cases made by
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_retold -- FOLDER [PART OF A NAME]`, a folder of blind cases made by
 //! `tests/oracle/calibration/suite.py`.
 //!
 //! Each case is traced as it is; with its rows in another order; with a column that means nothing; in millimetres and degrees; with its

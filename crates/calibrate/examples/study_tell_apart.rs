@@ -1,5 +1,5 @@
 //! Whether twenty poses chosen to distinguish causes decide more than twenty D-optimal or random ones:
-//! `cargo run --release -p denavit-calibrate --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
 //! `... -- real ROBOT.urdf DATA.csv [DRAWS]` with `TIP` and `UNITS` in the environment.
 //!
 //! Simulated: a robot off by its tolerances with one effect, measured at a poor set of postures (every joint in a third of

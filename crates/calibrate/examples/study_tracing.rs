@@ -1,5 +1,5 @@
 //! Judges the tracer on a folder of blind cases made by `tests/oracle/calibration/suite.py`:
-//! `cargo run --release -p denavit-calibrate --example study_tracing -- FOLDER [PART OF A NAME]`.
+//! `cargo run --release -p denavit-calibrate --features unstable --example study_tracing -- FOLDER [PART OF A NAME]`.
 //!
 //! For each case that is not right: what was hidden and what was found. At the end the table of `docs/effects.md`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.

@@ -203,26 +203,36 @@ fn in_postures(rows: usize, postures: usize) -> String {
 
 /// A calibration's result.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Calibration {
     /// The contract.
     pub report: CalibrationReport,
     /// What the rows say of the parameters in the report, no prior in it; `None` where no axis was identified.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub information: Option<Information>,
     /// Nominal and geometric fit.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identification: Identification,
     /// The last stage that names causes or has error curves.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub beyond: Option<Box<Fit<EffectModel>>>,
     /// The recommended prediction, averaged over everything that may act; `Err` says why there is none.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub averaging: Result<Box<Averaging>, NotAveraged>,
     /// What the tracer found, if it was asked.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub curves: Option<CurveFit>,
     /// The effects and curves of an earlier calibration on these rows, if it knows some.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub carried: Option<Carried>,
     /// Counts, and what is unidentifiable.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identifiability: Identifiability,
     /// Rounded readings, where there are any.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub rounding: Option<Rounding>,
     /// The rows fitted.
     pub train: Arc<Measurements>,
@@ -237,16 +247,19 @@ impl Calibration {
     }
 
     /// The fit that was adopted, where it holds geometry alone; else the geometric one.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn without_effects(&self) -> &Fit<NoEffects> {
         self.identification.at(self.report.adopted)
     }
 
     /// The fit that was adopted, if it holds more than geometry: everything averaged, effects or error curves.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
         self.averaging.as_ref().ok().map(|averaging| &averaging.fit).or(self.named())
     }
 
     /// The last stage with causes or error curves.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn named(&self) -> Option<&Fit<EffectModel>> {
         self.beyond.as_deref()
     }

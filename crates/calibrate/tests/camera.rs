@@ -246,7 +246,8 @@ fn held_out_images_come_out_at_the_noise() {
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
     let stage = result.report.stages.last().unwrap();
     let [train, test] = [&stage.train, stage.test.as_ref().unwrap()].map(|errors| *errors.of("reprojection").unwrap());
-    let pixels = |error: &denavit_calibrate::identify::residual_statistics::Error| error.rms / error.per_pixel.unwrap();
+    let pixels =
+        |error: &denavit_calibrate::identify::residual_statistics::ErrorSummary| error.rms / error.per_pixel.unwrap();
     println!("fitted {:.4} px, held out {:.4} px", pixels(&train), pixels(&test));
     // Two components of 0.2 px.
     assert!((0.26..0.29).contains(&pixels(&train)) && (0.26..0.34).contains(&pixels(&test)));

@@ -1,7 +1,8 @@
 //! Robot models from descriptions: screw axes, Denavit-Hartenberg tables, inverse kinematics, comparison, export and calibration.
 //!
 //! This crate re-exports the everyday path of its parts, which are `denavit-model`, `denavit-dh` and so on; its modules are those
-//! crates in whole. With `default-features = false` it leaves out calibration and inverse kinematics (`Solver`). The program of the same name is in this package.
+//! crates in whole; the modules of `calibrate` are what its feature `unstable` opens, and change without notice. With `default-features = false` it
+//! leaves out calibration and inverse kinematics (`Solver`). The program of the same name is in this package.
 //!
 //! # Quick start
 //!
@@ -94,6 +95,6 @@ pub use denavit_ik::Solver;
 #[cfg(feature = "calibrate")]
 pub use denavit_calibrate as calibrate;
 #[cfg(feature = "calibrate")]
-pub use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
+pub use denavit_calibrate::{CalibrateOptions, calibrate};
 #[cfg(feature = "calibrate")]
 pub use denavit_hand_eye as hand_eye;

@@ -27,6 +27,7 @@ pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CalibrationReport {
     /// [`SCHEMA`].
     pub schema: &'static str,
@@ -40,6 +41,7 @@ pub struct CalibrationReport {
     pub tip: String,
     /// The tips, where several were calibrated; left out where there is one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub tips: Vec<TipEntry>,
     /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
     pub measurement: String,
@@ -47,27 +49,35 @@ pub struct CalibrationReport {
     pub columns: Vec<ColumnUse>,
     /// What was supposed of the rows because they fit no robot as they are written; left out where they do.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub read_as: Option<ReadAs>,
     /// Loads at the tip by which setups differ, although no column says so: the rows are used with them; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub undeclared_loads: Option<UndeclaredLoads>,
     /// What was placed anew before the test rows were measured; left out where everything stands as it did.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub placed_anew: Option<PlacedAnew>,
     /// Sorts of values of whose variation the fitted geometry leaves more than a fifth; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub poorly_explained: Vec<Explained>,
     /// Rows used.
     pub samples: Samples,
     /// Numbers measured beside numbers found.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub redundancy: Redundancy,
     /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub repeats: Vec<LackOfFit>,
     /// What the noise of the adopted stage is made of; left out where nothing can be estimated of it.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub noise: Option<NoiseModel>,
     /// Counts of parameters.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identifiability: Counts,
     /// What is not identifiable.
     pub unidentifiable: Vec<Unidentifiable>,
@@ -77,20 +87,25 @@ pub struct CalibrationReport {
     pub adopted: Adopted,
     /// Where instruments, targets and points were found at that stage.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
     /// How the parameters hang together, and what they are counted from: with them the next calibration can continue from here.
     /// Left out where no axis was identified.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub posterior: Option<Posterior>,
     /// What the earlier calibration counted for that this one continues from; left out where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub differs_from_drawing: Vec<DrawingDifference>,
     /// The zeros of joints that explain nearly all that the axes do; left out where they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub joint_zeros: Option<JointZeros>,
     /// Effects that are sure enough to be named.
     pub effects: Vec<EffectEntry>,
@@ -99,17 +114,21 @@ pub struct CalibrationReport {
     pub one_of: Vec<EffectEntry>,
     /// What poses measured next are expected to decide; left out where no cause is uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub prospect: Option<Prospect>,
     /// How far the averaged prediction is expected to be off, within the measured ranges and outside; left out where it is not adopted.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub prediction: Option<Expected>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,
     /// What depends on several joints and is no named cause; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fields: Vec<FieldEntry>,
     /// What no effect explains.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub unexplained: Unexplained,
     /// Residuals of the adopted stage, fitted rows first.
     pub rows: Rows,
@@ -224,6 +243,7 @@ impl ReadAs {
 
 /// Rows used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Samples {
     /// Rows fitted, rejected ones included.
     pub train: usize,
@@ -246,6 +266,7 @@ pub struct Samples {
 
 /// A parameter of a joint as it was identified.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Identified {
     /// Its name, such as `elbow_joint.turn_x`.
     pub parameter: String,
@@ -310,6 +331,7 @@ pub struct Counts {
 
 /// A parameter that the data cannot tell.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Unidentifiable {
     /// Its name.
     pub parameter: String,
@@ -323,6 +345,7 @@ pub struct Unidentifiable {
 
 /// Error after a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Stage {
     /// `nominal`, `geometric`, `geometric + <kind>(<where>)` …, `averaged`.
     pub name: String,
@@ -333,9 +356,11 @@ pub struct Stage {
     pub test: Option<Errors>,
     /// Known distances between points as the fitted rows alone say them; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub train_lengths: Vec<LengthFound>,
     /// The same of the held-out rows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub test_lengths: Vec<LengthFound>,
     /// Whether the fit converged.
     pub converged: bool,
@@ -347,6 +372,7 @@ pub struct Stage {
 
 /// A selected effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct EffectEntry {
     /// Its kind.
     pub kind: String,
@@ -378,6 +404,7 @@ pub struct EffectEntry {
 
 /// A rival of an effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Rival {
     /// Its kind.
     pub kind: String,
@@ -389,6 +416,7 @@ pub struct Rival {
 
 /// The error of a joint's value as a smooth function of its own reading, no cause claimed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CurveEntry {
     /// The joint.
     pub joint: String,
@@ -403,6 +431,7 @@ pub struct CurveEntry {
     /// By how much the curve raises the logarithm of the marginal likelihood.
     pub log_evidence: f64,
     /// Sines that hold much of it, the strongest first.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub lines: Vec<Line>,
     /// The curve over the range of the data: add it to the reading to have the joint's true value.
     pub table: Vec<CurvePoint>,
@@ -426,6 +455,7 @@ pub struct FieldEntry {
 
 /// A curve at one reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CurvePoint {
     /// The reading.
     pub at: f64,

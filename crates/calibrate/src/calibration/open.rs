@@ -18,6 +18,7 @@ const FEW_CANDIDATES: usize = 60;
 impl Calibration {
     /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
     /// effects and curves.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn open(&self, statics: &Statics) -> Arc<Open> {
         if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
             return open;
@@ -35,6 +36,7 @@ impl Calibration {
     ///
     /// # Errors
     /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
         tell_apart(&self.open(statics), &self.train, options, exchange)
     }

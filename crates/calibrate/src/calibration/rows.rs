@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 /// One observation and its residual.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RowEntry {
     /// The row's line in its file.
     pub line: usize,

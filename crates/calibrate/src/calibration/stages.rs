@@ -49,6 +49,7 @@ impl StageResiduals {
 
 impl Calibration {
     /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn residuals(&self) -> Vec<StageResiduals> {
         let (train, test) = (&*self.train, self.test.as_deref());
         let geometry = self.identification.stages(self.carried.is_some()).into_iter();
@@ -60,6 +61,7 @@ impl Calibration {
     }
 
     /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn first_and_last(&self) -> [StageResiduals; 2] {
         let geometry = self.identification.stages(self.carried.is_some());
         let of_geometry = |index: usize| {

@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn every_direction_does_what_its_action_says() {
         for chain in examples::all() {
-            let arm = Arm::new(&chain, &crate::Scene::default());
+            let arm = Arm::new(&chain, &crate::observation::measurements::Scene::default());
             let n = chain.coordinates().len();
             let q: Vec<f64> = (0..n).map(|k| 0.2 + 0.1 * k as f64).collect();
             for carrier in all(chain.joints().len()) {
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn stretching_every_length_scales_the_reach() {
         let chain = examples::planar_arm();
-        let arm = Arm::new(&chain, &crate::Scene::default());
+        let arm = Arm::new(&chain, &crate::observation::measurements::Scene::default());
         let mut perturbation = Perturbation::none(chain.joints().len());
         for action in &Carrier::Lengths.directions(&Statics::of_chain(&chain), chain.joints(), 0)[0] {
             action.add_to(0.01, &mut perturbation);

@@ -221,6 +221,7 @@ static GEOMETRY: Entry = Entry {
 
 impl Kind {
     /// Its entry.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn entry(self) -> &'static Entry {
         KINDS.iter().chain([&GEOMETRY]).find(|entry| entry.kind == self).expect("every kind has an entry: tested")
     }

@@ -151,7 +151,12 @@ mod tests {
         let mut masses = Masses::stand_in(&chain, &Tips::only(&chain));
         masses.gravity = Vector3::new(0.0, -STANDARD_GRAVITY, 0.0);
         let mut state = RowState::default();
-        Arm::new(&chain, &crate::Scene::default()).state_into(&[0.0, 0.0], 0, None, &mut state);
+        Arm::new(&chain, &crate::observation::measurements::Scene::default()).state_into(
+            &[0.0, 0.0],
+            0,
+            None,
+            &mut state,
+        );
         let points = axis_points(&chain);
         let centres: Vec<Point3<f64>> = masses.points.iter().map(|mass| mass.centre).collect();
         let mut loads = Vec::new();

@@ -135,12 +135,15 @@ pub struct EffectModel {
     /// The nominal chain and its masses.
     pub statics: Statics,
     /// The effects; they add up.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub effects: Vec<Effect>,
     /// Error curves of joints, no cause claimed; these add to the effects.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub curves: Vec<Curve>,
     /// What an earlier calibration knows of the same chain: it acts beside the others and has no free numbers.
     pub earlier: Option<Arc<EffectModel>>,
     /// A prediction that is averaged over everything that may act, as a correction of the geometric fit.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub averaged: Option<Arc<Averaged>>,
 }
 
@@ -163,6 +166,7 @@ pub struct Standing {
 
 impl EffectModel {
     /// The effects on this chain.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
         Self { statics, effects, curves: Vec::new(), earlier: None, averaged: None }
     }
@@ -178,6 +182,7 @@ impl EffectModel {
     }
 
     /// These terms with every coefficient zero, beside what an earlier calibration knows.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn of_terms(statics: &Statics, earlier: Option<&Arc<Self>>, terms: &[Term]) -> Self {
         let effects = terms
             .iter()
@@ -209,6 +214,7 @@ impl EffectModel {
     /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
     ///
     /// Where gravity bends the arm, its moment is that of the arm as bent: passes follow until it stands still.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn add_perturbation(
         &self,
         conditions: &Conditions<'_>,

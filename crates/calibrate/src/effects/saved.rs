@@ -133,10 +133,13 @@ pub struct SavedEffects {
     /// The nominal chain and its masses.
     pub statics: Statics,
     /// The effects.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub effects: Vec<Effect<Driver<String>>>,
     /// Error curves of joints, no cause claimed.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub curves: Vec<Curve>,
     /// A prediction averaged over everything that may act, a correction of the robot with its geometry alone.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub averaged: Option<Arc<Averaged>>,
 }
 
@@ -185,6 +188,7 @@ impl SavedEffects {
     ///
     /// # Errors
     /// Those of `column`, which is asked for each name.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn bound_effect(
         &self,
         effect: &Effect<Driver<String>>,

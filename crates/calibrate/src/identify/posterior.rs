@@ -77,15 +77,18 @@ pub struct Earlier {
     /// Name of the tip link.
     pub tip: String,
     /// The joints' parameters.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub parameters: Vec<KnownParameter>,
     /// How they hang together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub posterior: Option<Posterior>,
     /// How much of it counts, from 0 to 1.
     #[serde(skip, default = "in_full")]
     pub weight: f64,
     /// The effects and error curves, as they were read.
     #[serde(skip)]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub effects: Option<Arc<KnownEffects>>,
 }
 
@@ -228,6 +231,7 @@ impl Earlier {
 
     /// What is known of a robot's axes from its siblings: means, standard deviations, and for each parameter its correlations
     /// with those before it.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn of_siblings(chain: &Chain, parameters: Vec<KnownParameter>, correlations: Vec<Vec<f64>>) -> Self {
         Self {
             schema: SCHEMA.into(),

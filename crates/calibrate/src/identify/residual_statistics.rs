@@ -13,7 +13,8 @@ use thiserror::Error;
 
 /// Root mean square, mean and largest of the errors of one sort, m or rad: norms of what has three components.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Error {
+#[non_exhaustive]
+pub struct ErrorSummary {
     /// What it is of.
     pub part: Part,
     /// Root mean square.
@@ -29,11 +30,11 @@ pub struct Error {
 /// Errors of every sort that was measured, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
 /// `orientation_rms_rad` and so on; of pixels both `reprojection_rms_m` and `reprojection_rms_px`.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Errors(pub Vec<Error>);
+pub struct Errors(pub Vec<ErrorSummary>);
 
 impl Errors {
     /// The errors of this word, such as `position`.
-    pub fn of(&self, word: &str) -> Option<&Error> {
+    pub fn of(&self, word: &str) -> Option<&ErrorSummary> {
         self.0.iter().find(|error| error.part.word == word)
     }
 }
@@ -469,7 +470,7 @@ impl<'s> ErrorSums<'s> {
     /// The errors of every sort of which there is a residual.
     pub fn errors(&self) -> Errors {
         let of = |(channel, [count, sum, squares, max]): (usize, &[f64; 4])| {
-            (*count > 0.0).then(|| Error {
+            (*count > 0.0).then(|| ErrorSummary {
                 part: self.scene.channels[channel],
                 rms: (squares / count).sqrt(),
                 mean: sum / count,

@@ -436,10 +436,11 @@ fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (
 #[cfg(test)]
 mod tests {
     use crate::apply::simulate::{SimulationOptions, simulate};
+    use crate::identify::residual::ResidualModel;
+    use crate::observation::arm::{Arm, Perturbation, Perturbed, Row};
     use crate::observation::kinds::{POSE, POSITION};
     use crate::observation::measurements::Measurements;
-    use crate::observation::parameters::{Effects, Parameter, Sensitivity};
-    use crate::{Arm, Freedom, Layout, NoEffects, Perturbation, Perturbed, ResidualModel, Row, Tolerances};
+    use crate::observation::parameters::{Effects, Freedom, Layout, NoEffects, Parameter, Sensitivity, Tolerances};
     use denavit_model::{Pose, examples};
 
     /// Nothing, but asked row by row.

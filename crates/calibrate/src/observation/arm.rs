@@ -81,6 +81,7 @@ pub struct AxisChange {
 
 impl Arm {
     /// The nominal robot with instruments, points and targets at identity and zero.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn new(nominal: &Chain, scene: &Scene) -> Self {
         Self {
             nominal: nominal.clone(),
@@ -111,6 +112,7 @@ impl Arm {
     }
 
     /// How far joint `index` is from nominal.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn change(&self, index: usize) -> AxisChange {
         let (nominal, actual) = (&self.nominal.joints()[index], &self.joints[index]);
         let basis = AxisBasis::of(&nominal.screw);
@@ -142,6 +144,7 @@ impl Arm {
     /// Turn and move an axis by [`AxisBasis`] coordinates: S ← Ad(exp(B η)) S, the kind kept.
     ///
     /// `turned` rad about a and b, `moved` m along a and b, `pitch` m/rad added.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn change_axis(&mut self, index: usize, basis: &AxisBasis, turned: [f64; 2], moved: [f64; 2], pitch: f64) {
         let omega = basis.a * turned[0] + basis.b * turned[1];
         let v = basis.a * moved[0] + basis.b * moved[1] + basis.centre.coords.cross(&omega);
@@ -153,6 +156,7 @@ impl Arm {
     /// Where everything on the way to a tip stands at the coordinates `q`, with or without deviations, into `state`.
     ///
     /// Joints that are not on the way stand still where the one before them is.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn state_into(&self, q: &[f64], tip: usize, perturbation: Option<&Perturbation>, state: &mut RowState) {
         let tip = &self.tips[tip];
         let mut reached = Pose::identity();

@@ -57,14 +57,18 @@ pub struct Measurements {
     /// Joint readings, row by row.
     pub readings: Vec<f64>,
     /// What was measured, of what and with what.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub scene: Scene,
     /// What was measured in each row.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub observed: Observations,
     /// Other numeric columns.
     pub covariates: Covariates,
     /// Text columns.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub labels: Vec<Label>,
     /// The angles of an orientation as the file writes them, where it writes angles; row by row.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub angles: Option<WrittenAngles>,
     /// Rows that only say where a target sits on the tip, by row index; not counted in errors.
     pub locate: Vec<bool>,
@@ -79,6 +83,7 @@ const SAME_READING: f64 = 1e-9;
 
 impl Measurements {
     /// No rows yet.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn empty(source: &str, joints: Vec<String>, scene: Scene) -> Self {
         Self {
             source: source.into(),
@@ -153,6 +158,7 @@ impl Measurements {
 
     /// What an observation belongs to.
     #[inline]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn series_of(&self, observation: usize) -> &Series {
         &self.scene.series[self.observed.series(observation)]
     }

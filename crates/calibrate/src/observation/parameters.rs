@@ -119,7 +119,7 @@ pub struct Parameter {
     pub tolerance: Option<f64>,
 }
 
-/// How far a robot is expected to be from its drawing: standard deviations of the prior (see [`crate::observation::prior`]).
+/// How far a robot is expected to be from its drawing: standard deviations of the prior (see the room `observation::prior`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
     /// Direction of an axis on the link that carries it, rad.

@@ -15,6 +15,7 @@ const TABLE: usize = 73;
 
 impl CurveEntry {
     /// An entry for each curve of a fit.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn of_fit(fit: &Fit<EffectModel>, gains: &[f64]) -> Vec<Self> {
         let joints = fit.arm.nominal.joints();
         let entry = |(curve, gain): (&Curve, &f64)| {

@@ -38,7 +38,10 @@ pub struct Outlook {
 /// A candidate has the wrong length.
 pub fn within_limits(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64>>, PlanError> {
     let anywhere = PlanOptions { allowed: None, ..options.clone() };
-    let arm = Arm { targets: vec![denavit_model::Pose::identity()], ..Arm::new(chain, &crate::Scene::default()) };
+    let arm = Arm {
+        targets: vec![denavit_model::Pose::identity()],
+        ..Arm::new(chain, &crate::observation::measurements::Scene::default())
+    };
     Ok(candidates(chain, options)?.into_iter().filter(|q| allowed(chain, &arm, q, &anywhere)).collect())
 }
 

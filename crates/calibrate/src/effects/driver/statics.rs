@@ -66,6 +66,7 @@ pub struct Conditions<'a> {
 
 impl<'a> Conditions<'a> {
     /// Those of a row.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn of(row: Row<'a>) -> Self {
         Self { reading: row.reading(), recorded: row.recorded(), tip: row.tip() }
     }
@@ -79,6 +80,7 @@ pub struct Statics {
     /// Its tips.
     pub tips: Arc<Tips>,
     /// What gravity acts on.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub masses: Masses,
     /// One point per joint and one for each tip, base frame at home, m: where links begin and end.
     pub points: Vec<Point3<f64>>,
@@ -141,6 +143,7 @@ impl Statics {
     }
 
     /// Where a joint's link ends on the way to a tip; none where the joint is not on it.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn link_end(&self, joint: usize, tip: usize) -> Option<LinkEnd> {
         let joints = self.chain.joints().len();
         self.tips[tip].joints[joint].then(|| match self.on_the_way(tip).find(|&other| other > joint) {
@@ -158,6 +161,7 @@ impl Statics {
     /// ones where they are known. Gravity points as the drawing has it.
     ///
     /// Joints that are not on the way to the row's tip stand as they read: what they carry loads the joints before them.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn posture(
         &self,
         joints: &[ChainJoint],
@@ -171,12 +175,14 @@ impl Statics {
     }
 
     /// An arm with these joints and its masses.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn at_home(&self, joints: &[ChainJoint]) -> AtHome {
         let axes = joints.iter().zip(&self.points).map(|(joint, point)| StandingAxis::at_home(joint, point));
         AtHome { centres: self.centres(joints), axes: axes.collect() }
     }
 
     /// How an arm stands whose joints make these motions ([`motions_into`]), in place of what is in `out`.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn posture_into(
         &self,
         arm: &AtHome,
@@ -265,7 +271,7 @@ mod tests {
             let statics = Statics::of_chain(&chain);
             let drawn: Vec<Point3<f64>> = statics.masses.points.iter().map(|mass| mass.centre).collect();
             assert_eq!(statics.centres(chain.joints()), drawn);
-            let mut arm = Arm::new(&chain, &crate::Scene::default());
+            let mut arm = Arm::new(&chain, &crate::observation::measurements::Scene::default());
             for (index, joint) in chain.joints().iter().enumerate() {
                 let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };
                 arm.change_axis(index, &AxisBasis::of(&joint.screw), [0.02, -0.01], moved, 0.0);

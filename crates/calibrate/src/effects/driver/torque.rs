@@ -24,6 +24,7 @@ impl Posture {
 
 impl Statics {
     /// Gravity's torque (N·m) or force (N) on a joint along its own motion.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn torque(&self, posture: &Posture, joint: usize) -> f64 {
         let along = posture.axes[joint].along;
         let (moment, force) = (|| along.dot(&posture.moment(joint)), || along.dot(&posture.loads[joint].force));
@@ -98,7 +99,7 @@ mod tests {
             let statics = Statics::of_chain(&chain);
             let recorded = RecordedRow::nothing();
             // As drawn, and with axes that are not where they are drawn.
-            let mut arm = Arm::new(&chain, &crate::Scene::default());
+            let mut arm = Arm::new(&chain, &crate::observation::measurements::Scene::default());
             for (index, joint) in chain.joints().iter().enumerate() {
                 let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };
                 arm.change_axis(index, &AxisBasis::of(&joint.screw), [0.02, -0.01], moved, 0.0);

@@ -9,17 +9,17 @@
 //! let driver: Driver = Driver::Covariate("temperature".to_owned());
 //! ```
 //! ```compile_fail,E0451
-//! use denavit_calibrate::observation::measurements::Column;
+//! use denavit_calibrate::Column;
 //! let column = Column { index: 3, name: "temperature".into() };
 //! ```
 //! ```
 //! use denavit_calibrate::effects::Driver;
-//! use denavit_calibrate::observation::measurements::{Covariate, Covariates};
+//! use denavit_calibrate::{Covariate, Covariates};
 //! let recorded = Covariates::from(vec![Covariate { name: "temperature".into(), values: vec![20.5, 21.0] }]);
 //! let driver = Driver::Covariate(recorded.column("run.csv", 2, "temperature")?);
 //! assert_eq!(driver.covariate(), Some("temperature"));
 //! assert!(recorded.column("run.csv", 2, "payload").is_err());
-//! # Ok::<(), denavit_calibrate::observation::measurements::MissingColumn>(())
+//! # Ok::<(), denavit_calibrate::MissingColumn>(())
 //! ```
 
 use std::ops::Deref;

@@ -41,6 +41,7 @@ impl Postures {
 
 impl Measurements {
     /// Indices of the rows by posture: rows whose readings agree to a microradian and a micrometre stand together, in order.
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn postures(&self) -> Postures {
         // Adding 0 makes one zero of two.
         let key = |row: usize, joint: usize| (self.reading(row)[joint] / SAME_POSTURE).round() + 0.0;

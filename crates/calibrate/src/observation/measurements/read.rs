@@ -33,6 +33,7 @@ const LEAST_DEVIATION: f64 = 1e-12;
 
 /// A measurement file's content and what a user must know of it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Loaded {
     /// The content, SI units.
     pub data: Measurements,
