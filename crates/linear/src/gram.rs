@@ -66,6 +66,55 @@ impl Problem {
     }
 }
 
+/// The factored model without its values: the way to the most probable coefficients of problems near it.
+#[derive(Debug, Clone)]
+pub struct Curvature {
+    /// B, where the factor is that of I + B Bᵀ.
+    scaled: Option<DMatrix<f64>>,
+    deviations: DVector<f64>,
+    rows: Vec<Range<usize>>,
+    noise: Vec<DMatrix<f64>>,
+    factor: Triangle,
+}
+
+impl Curvature {
+    /// L⁻¹ of values: each in its noise.
+    pub fn in_noise(&self, values: &DVector<f64>) -> DVector<f64> {
+        let mut values = values.clone();
+        for (row, lower) in self.rows.iter().zip(&self.noise) {
+            lower.solve_lower_triangular_mut(&mut values.rows_mut(row.start, row.len()));
+        }
+        values
+    }
+
+    /// What to add to coefficients `at` so that they are the most probable ones of a problem whose values are off by `residual` there; its columns
+    /// are those `chosen` of `columns`. Noise, priors and curvature are this one's: where columns change little on the way, such steps lead to the
+    /// end and need no new factor. By its own columns and values one step leads to the posterior mean.
+    pub fn step(
+        &self,
+        (columns, chosen): (&DMatrix<f64>, &[usize]),
+        residual: &DVector<f64>,
+        at: &DVector<f64>,
+    ) -> DVector<f64> {
+        let mut weighted = self.in_noise(residual);
+        for (row, lower) in self.rows.iter().zip(&self.noise) {
+            lower.tr_solve_lower_triangular_mut(&mut weighted.rows_mut(row.start, row.len()));
+        }
+        let by_values = |k: usize, _| columns.column(chosen[k]).dot(&weighted) * self.deviations[k];
+        let downhill = DVector::from_fn(chosen.len(), by_values) - at.component_div(&self.deviations);
+        let solved = |b: &DVector<f64>| {
+            let x = self.factor.backward(&self.factor.forward(b.as_slice()));
+            DVector::from_vec(x)
+        };
+        let step = match &self.scaled {
+            // (I + Bᵀ B)⁻¹ = I - Bᵀ (I + B Bᵀ)⁻¹ B.
+            Some(scaled) => &downhill - scaled.tr_mul(&solved(&(scaled * &downhill))),
+            None => solved(&downhill),
+        };
+        step.component_mul(&self.deviations)
+    }
+}
+
 /// The factor of I + Cᵀ C.
 fn one_more(columns: &DMatrix<f64>) -> Option<Triangle> {
     let size = columns.ncols();
@@ -89,35 +138,10 @@ impl Gram {
         if self.in_rows { solved(z) } else { z - &self.scaled * solved(&self.scaled.tr_mul(z)) }
     }
 
-    /// L⁻¹ of values: each in its noise.
-    pub fn in_noise(&self, values: &DVector<f64>) -> DVector<f64> {
-        let mut values = values.clone();
-        for (row, lower) in self.rows.iter().zip(&self.noise) {
-            lower.solve_lower_triangular_mut(&mut values.rows_mut(row.start, row.len()));
-        }
-        values
-    }
-
-    /// What to add to coefficients `at` so that they are the most probable ones of a problem with these `columns` whose values are off by
-    /// `residual` there. Noise, priors and curvature are this one's: where columns change little on the way, such steps lead to the end and need
-    /// no new factor. From `at` = 0 on, with this problem's own columns and values, it is the posterior mean.
-    pub fn step(&self, columns: &DMatrix<f64>, residual: &DVector<f64>, at: &DVector<f64>) -> DVector<f64> {
-        let mut weighted = self.in_noise(residual);
-        for (row, lower) in self.rows.iter().zip(&self.noise) {
-            lower.tr_solve_lower_triangular_mut(&mut weighted.rows_mut(row.start, row.len()));
-        }
-        let downhill = columns.tr_mul(&weighted).component_mul(&self.deviations) - at.component_div(&self.deviations);
-        let solved = |b: &DVector<f64>| {
-            let x = self.factor.backward(&self.factor.forward(b.as_slice()));
-            DVector::from_vec(x)
-        };
-        // (I + Bᵀ B)⁻¹ = I - Bᵀ (I + B Bᵀ)⁻¹ B.
-        let step = if self.in_rows {
-            &downhill - self.scaled.tr_mul(&solved(&(&self.scaled * &downhill)))
-        } else {
-            solved(&downhill)
-        };
-        step.component_mul(&self.deviations)
+    /// What steps are made by.
+    pub fn curvature(self) -> Curvature {
+        let Self { scaled, deviations, rows, noise, factor, in_rows, .. } = self;
+        Curvature { scaled: in_rows.then_some(scaled), deviations, rows, noise, factor }
     }
 
     /// C with `Cᵀ C` = Bᵀ K⁻¹ B (in rows) or = I - Bᵀ K⁻¹ B = (I + Bᵀ B)⁻¹ (in columns), p columns.
@@ -205,15 +229,16 @@ pub(crate) mod tests {
     fn steps_lead_to_the_posterior_mean_from_anywhere_and_with_the_curvature_of_a_neighbour() {
         for (rows, coefficients) in [(4, 30), (20, 6)] {
             let problem = example(rows, coefficients);
-            let gram = problem.clone().gram().unwrap();
-            let wanted = gram.mean();
+            let wanted = problem.clone().gram().unwrap().mean();
+            let own = problem.clone().gram().unwrap().curvature();
+            let all: Vec<usize> = (0..coefficients).collect();
             let mut near = problem.clone();
             near.columns.iter_mut().enumerate().for_each(|(k, cell)| *cell += 0.01 * (k as f64).cos());
-            let near = near.gram().unwrap();
-            for (curvature, steps) in [(&gram, 1), (&near, 25)] {
+            let near = near.gram().unwrap().curvature();
+            for (curvature, steps) in [(&own, 1), (&near, 25)] {
                 let mut at = DVector::from_fn(coefficients, |k, _| (k as f64).sin());
                 for _ in 0..steps {
-                    at += curvature.step(&problem.columns, &(&problem.data - &problem.columns * &at), &at);
+                    at += curvature.step((&problem.columns, &all), &(&problem.data - &problem.columns * &at), &at);
                 }
                 assert!((&at - &wanted).amax() < 1e-8, "{steps}: {}", (&at - &wanted).amax());
             }

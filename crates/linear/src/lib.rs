@@ -26,5 +26,5 @@ pub mod threads;
 pub mod triangle;
 
 pub use components::{Components, Part, Pull};
-pub use gram::{Gram, Problem};
+pub use gram::{Curvature, Gram, Problem};
 pub use posterior::Posterior;

@@ -3,7 +3,7 @@
 //! ```text
 //! base_from_tip = T_g exp(h log(T_g⁻¹ T_a)),     h = v_g / (v_g + v(q))
 //! ```
-//! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure the place of the target is there by
+//! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure what is read of the target is there by
 //! the posterior covariance, v_g: mean square error of plain geometry on postures that it was not fitted to (each left out once). Among the
 //! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too, where that blend is expected to be
 //! off by far more (v) than the drawing is (v_n): a share v²/(v² + `FAR_MORE`⁴ v_n²).
@@ -260,7 +260,8 @@ impl Averaged {
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole, of_length: whole };
         }
-        let share = of_geometry / (of_geometry + robots.of_all);
+        // By what is read: of a distance neither knows what lies across it.
+        let share = of_geometry / (of_geometry + robots.of_all / self.known.across);
         let way = robots.apart;
         let apart = way.norm_squared() / 3.0;
         let variance = mixed(share, [robots.of_all, whole], apart);

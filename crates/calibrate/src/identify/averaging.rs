@@ -24,7 +24,7 @@ use crate::identify::{Identification, IdentifyOptions};
 use crate::observation::arm::{Arm, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects as _, Freedom, Layout, NoEffects};
-use denavit_linear::gram::Gram;
+use denavit_linear::{Curvature, Gram};
 use denavit_model::nalgebra::{DMatrix, DVector, Point3};
 use denavit_model::{Chain, Pose, se3};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ const STEPS: [usize; 2] = [40, 15];
 /// Values that sizes are found from, at most: the rows are spread evenly over the run.
 const VALUES_FOR_SIZES: usize = 600;
 /// Values that the posterior is of, at most.
-const VALUES: usize = 12_000;
+const VALUES: usize = 6_000;
 /// Rows at which it is asked how unsure the place of the target is.
 const ROWS_ACROSS: usize = 40;
 /// Fewer rejected observations than this are outliers.
@@ -130,11 +130,11 @@ fn values(rows: &[LeftOut]) -> f64 {
     rows.iter().map(|row| row.residual.len()).sum::<usize>() as f64
 }
 
-/// The same rows predicted by the blend of both. `across`: how many times their variance that of the target's place is.
-fn blended(geometric: &[LeftOut], averaged: &[LeftOut], across: f64) -> Vec<LeftOut> {
+/// The same rows predicted by the blend of both.
+fn blended(geometric: &[LeftOut], averaged: &[LeftOut]) -> Vec<LeftOut> {
     let of_geometry = mean_square(geometric);
     let blend = |(geometric, averaged): (&LeftOut, &LeftOut)| {
-        let share = of_geometry / (of_geometry + across * averaged.variance);
+        let share = of_geometry / (of_geometry + averaged.variance);
         let both = || geometric.residual.iter().zip(&averaged.residual);
         let apart = both().map(|(g, a)| (g - a).powi(2)).sum::<f64>() / averaged.residual.len() as f64;
         LeftOut {
@@ -303,24 +303,29 @@ impl Averager<'_> {
     }
 
     /// The factored model there, and which columns are in it.
-    fn curvature(&self, rows: &Linearised, at: &At) -> Option<(Gram, Vec<usize>)> {
+    fn curvature(&self, rows: &Linearised, at: &At) -> Option<(Curvature, Vec<usize>)> {
         let (problem, chosen) = problem(rows, self.terms, &at.sizes);
-        Some((problem.gram()?, chosen))
+        Some((problem.gram()?.curvature(), chosen))
     }
 
     /// Everything at its posterior mean, by these rows and this curvature, or this share of the way to it; and what the whole step changes of what
     /// is read: mean square, each value in its noise.
-    fn at_mean(&self, at: &At, rows: &Linearised, (gram, chosen): &(Gram, Vec<usize>), share: f64) -> (At, f64) {
+    fn at_mean(
+        &self,
+        at: &At,
+        rows: &Linearised,
+        (curvature, chosen): &(Curvature, Vec<usize>),
+        share: f64,
+    ) -> (At, f64) {
         let mut numbers = DVector::zeros(rows.columns.ncols());
         numbers.iter_mut().zip(at.model.numbers()).for_each(|(place, number)| *place = number);
         let residual = &rows.data - &rows.columns * &numbers;
-        let columns = rows.columns.select_columns(chosen);
-        let step = gram.step(&columns, &residual, &numbers.select_rows(chosen));
+        let step = curvature.step((&rows.columns, chosen), &residual, &numbers.select_rows(chosen));
         // What is not among the columns goes to nothing.
         let mut whole = -numbers;
         chosen.iter().zip(step.iter()).for_each(|(&column, step)| whole[column] = *step);
         let changes = &rows.columns * &whole;
-        let change = gram.in_noise(&changes).norm_squared() / rows.data.len() as f64;
+        let change = curvature.in_noise(&changes).norm_squared() / rows.data.len() as f64;
         whole *= share;
         let of_model = at.model.numbers().len();
         let (arm, model) =
@@ -400,9 +405,8 @@ impl Averager<'_> {
         let mut found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
         let averaged = Arc::make_mut(found.fit.effects.averaged.as_mut()?);
         averaged.known.geometry_among_rows = self.median(&left_out, |conditions, _| averaged.unsure(conditions)[1])?;
-        let across = self.across(averaged, &left_out)?;
-        let left_out = blended(&of_geometry, &left_out, across);
-        averaged.known.across = across;
+        averaged.known.across = self.across(averaged, &left_out)?;
+        let left_out = blended(&of_geometry, &left_out);
         averaged.known.calibrated = calibrated(&left_out, at.sizes.count())?;
         let noise = left_out.iter().map(|row| row.noise).sum::<f64>() / left_out.len() as f64;
         averaged.known.noise = averaged.known.calibrated * noise;
