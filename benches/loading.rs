@@ -32,14 +32,16 @@ pub fn loading() {
         Some((path.file_stem()?.to_string_lossy().into_owned(), std::fs::read_to_string(&path).ok()?))
     });
     if let Some((name, text)) = model {
-        let urdf = |text: &str| {
-            denavit_mjcf::read("model.xml", text, &mut |name| Err(format!("{name} is not read")))
+        let made = |text: &str| {
+            denavit_mjcf::translated("model.xml", text, &mut |name| Err(format!("{name} is not read")))
                 .expect("a model in MJCF")
         };
         report(&name, "denavit, MJCF to a robot", "mjcf", 1, || {
-            black_box(urdf::read("model.xml", &urdf(black_box(&text))).expect("a robot"));
+            black_box(made(black_box(&text)).robot("model.xml").expect("a robot"));
         });
-        report(&name, "denavit, MJCF to the text of a URDF", "mjcf", 1, || _ = black_box(urdf(black_box(&text))));
+        report(&name, "denavit, MJCF to the text of a URDF", "mjcf", 1, || {
+            _ = black_box(made(black_box(&text)).text())
+        });
         report(&name, "roxmltree, the XML alone", "mjcf", 1, || {
             black_box(roxmltree::Document::parse(black_box(&text)).expect("XML").root_element().range());
         });

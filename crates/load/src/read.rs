@@ -71,8 +71,8 @@ pub fn from_text(file: &str, text: &str, options: &Options) -> Result<Opened, Lo
         let first = start.lines().next().unwrap_or_default();
         return Err(LoadError::NoRobot { file: file.to_owned(), begins: quoted(&one_line(first)).into_owned() });
     }
-    if let Some(Translated { urdf, files }) = translated(file, text, options)? {
-        let robot = denavit_model::urdf::read(file, &urdf)?;
+    if let Some(Translated { made, files }) = translated(file, text, options)? {
+        let robot = made.robot(file)?;
         return Ok(Opened { includes: files, ..plain(Loaded::Robot(Box::new(robot)))? });
     }
     let is_xacro = denavit_xacro::is_xacro(text);

@@ -2,15 +2,15 @@
 
 use crate::revision::Home;
 use crate::{LoadError, Options};
-use denavit_model::formats::{Format, FormatError};
+use denavit_model::formats::{Builder, Format, FormatError};
 use denavit_xacro::files;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// A description in another format as URDF text, which carries the places of its source.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A description in another format as URDF text, which carries the places of its source, or as the robot that it says.
+#[derive(Debug)]
 pub(crate) struct Translated {
-    pub urdf: String,
+    pub made: Builder,
     /// Files that it made us read.
     pub files: Vec<PathBuf>,
 }
@@ -19,15 +19,15 @@ pub(crate) struct Translated {
 type Content<'a> = dyn FnMut(&str, &str) -> Result<(PathBuf, Vec<u8>), String> + 'a;
 
 /// A reader of a format: the file's name, its text, and what gives the files that it names.
-type Reader = fn(&str, &str, &mut Content) -> Result<String, FormatError>;
+type Reader = fn(&str, &str, &mut Content) -> Result<Builder, FormatError>;
 
 fn reader(format: Format) -> Option<Reader> {
     match format {
         Format::Mjcf => Some(|file, text, files| {
-            denavit_mjcf::read(file, text, &mut |name| files(name, file).map(|(_, bytes)| bytes))
+            denavit_mjcf::translated(file, text, &mut |name| files(name, file).map(|(_, bytes)| bytes))
         }),
         Format::Sdf => Some(|file, text, files| {
-            denavit_sdf::read(file, text, &mut |uri, from| {
+            denavit_sdf::translated(file, text, &mut |uri, from| {
                 let (path, bytes) = files(uri, from)?;
                 let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", path.display()))?;
                 Ok((path.display().to_string(), text))
@@ -48,7 +48,7 @@ pub(crate) fn translated(file: &str, text: &str, options: &Options) -> Result<Op
     let Some(read) = Format::of_text(text).and_then(reader) else { return Ok(None) };
     let home = Home::of(file).map_err(|reason| LoadError::Read { file: file.to_owned(), reason })?;
     let found = RefCell::new(Vec::new());
-    let urdf = home.within(|| {
+    let made = home.within(|| {
         read(file, text, &mut |name, from| {
             let from = if from == file { &home.path } else { Path::new(from) };
             let (path, bytes) = content(from, name, options)?;
@@ -56,8 +56,8 @@ pub(crate) fn translated(file: &str, text: &str, options: &Options) -> Result<Op
             Ok((path, bytes))
         })
     });
-    let urdf = urdf?;
-    Ok(Some(Translated { urdf, files: found.into_inner().into_iter().filter(|path| !home.holds(path)).collect() }))
+    let made = made?;
+    Ok(Some(Translated { made, files: found.into_inner().into_iter().filter(|path| !home.holds(path)).collect() }))
 }
 
 /// A file that a description names, beside the description or in a package.

@@ -46,8 +46,8 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
             ..plain(format!("{file} (as URDF)"), urdf)
         });
     }
-    if let Some(Translated { urdf, files }) = translated(file, &text, options)? {
-        return Ok(UrdfText { includes: files, ..plain(format!("{file} (as URDF)"), urdf) });
+    if let Some(Translated { made, files }) = translated(file, &text, options)? {
+        return Ok(UrdfText { includes: files, ..plain(format!("{file} (as URDF)"), made.text()) });
     }
     let is_meant =
         || is_named(file, ".xacro") || !options.arguments.is_empty() || denavit_model::urdf::read(file, &text).is_err();

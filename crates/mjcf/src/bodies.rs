@@ -7,13 +7,13 @@ use crate::Files;
 use crate::document::{Document, Item};
 use crate::known::{self, KEPT_ASSETS, KEPT_OF_BODY, KEPT_SECTIONS, MAKE_BODIES, OF_DEFAULT, SECTIONS};
 use crate::mass::{LEAST, Mass, is_possible};
-use crate::place::{self, from_to, number, numbers, vector};
+use crate::place::{self, fixed, from_to, number, numbers, vector};
 use denavit_model::formats::{FormatError, Kept, Loss};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::notes::Place;
 use denavit_model::problems::nearest_name;
 use denavit_model::se3::Pose;
-use denavit_model::write::escaped;
+use denavit_model::write::{escape, escaped};
 use settings::{FromGeoms, Settings};
 use shape::Meshes;
 pub use shape::Shape;
@@ -112,8 +112,12 @@ pub fn model(document: &Document, files: &mut Files) -> Result<Model, FormatErro
     if !problems.is_empty() {
         return Err(FormatError { problems });
     }
-    let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
-    kept.sort_by_key(|kept| (file(kept), kept.loss.place.line));
+    if document.files.len() == 1 {
+        kept.sort_by_key(|kept| kept.loss.place.line);
+    } else {
+        let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
+        kept.sort_by_cached_key(|kept| (file(kept), kept.loss.place.line));
+    }
     let name = document.root.get("model").unwrap_or_default().to_owned();
     Ok(Model { name, bodies, kept, notes, findings, understood })
 }
@@ -304,8 +308,16 @@ impl<'a> Reader<'a> {
                 };
                 format!("is not understood and changes nothing here; {advice}")
             };
-            let name = name.map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)));
-            let text = format!("<{tag}{name} {attribute}=\"{}\"/>", escaped(value));
+            let mut text = String::with_capacity(64);
+            text.extend(["<", tag]);
+            if let Some(name) = name {
+                text.push_str(" name=\"");
+                escape(&mut text, name);
+                text.push('"');
+            }
+            text.extend([" ", attribute, "=\""]);
+            escape(&mut text, value);
+            text.push_str("\"/>");
             let what = format!("attribute {attribute}=\"{value}\" of <{tag}>");
             let loss = Loss { place: self.document.place(item), what, why };
             self.kept.push(Kept { loss, text, understood: is_known });
@@ -448,7 +460,7 @@ impl<'a> Reader<'a> {
                 return Err(format!("mass=\"{mass}\" is negative; write 0 or more"));
             }
             let pose = place::pose(item, &self.settings.angles)?;
-            let tensor = match (vector(item, "diaginertia")?, numbers(item, "fullinertia", 6..=6)?) {
+            let tensor = match (vector(item, "diaginertia")?, fixed::<6>(item, "fullinertia")?) {
                 (Some(_), Some(_)) => return Err("states diaginertia and fullinertia; keep one of them".into()),
                 // What the writer gives to a body that moves and has no inertia.
                 (Some(diagonal), None) if diagonal.iter().all(|moment| *moment == LEAST) => Matrix3::zeros(),
@@ -553,7 +565,7 @@ impl<'a> Reader<'a> {
         }
         let read = self.joint_of(&resolved, stand);
         let Some(mut joint) = self.good(item, read) else { return };
-        if let (Kind::Hinge | Kind::Slide, Ok(Some(range))) = (joint.kind, numbers(&resolved, "range", 2..=2)) {
+        if let (Kind::Hinge | Kind::Slide, Ok(Some(range))) = (joint.kind, fixed::<2>(&resolved, "range")) {
             let (place, [lower, upper]) = (self.document.place(item), [range[0], range[1]]);
             if joint.range.is_none() && lower < upper {
                 let fix = if resolved.get("limited") == Some("false") {
@@ -616,7 +628,7 @@ impl<'a> Reader<'a> {
             return Err("its axis has length 0; write a direction such as 0 0 1".into());
         }
         let scale = if kind == Kind::Slide { 1.0 } else { self.settings.angles.unit };
-        let range = numbers(item, "range", 2..=2)?.map(|range| (range[0] * scale, range[1] * scale));
+        let range = fixed::<2>(item, "range")?.map(|range| (range[0] * scale, range[1] * scale));
         let limited = self.settings.limited(item, "limited", range.is_some_and(|(lower, upper)| lower < upper))?;
         if limited && range.is_none() {
             return Err("is limited and has no range; write range=\"LOWER UPPER\"".into());
@@ -627,7 +639,7 @@ impl<'a> Reader<'a> {
         {
             return Err(format!("its range ends at {upper} before it starts at {lower}; write the lower bound first"));
         }
-        let force = numbers(item, "actuatorfrcrange", 2..=2)?.map(|range| range[0].abs().max(range[1].abs()));
+        let force = fixed::<2>(item, "actuatorfrcrange")?.map(|range| range[0].abs().max(range[1].abs()));
         let has_force = self.settings.limited(item, "actuatorfrclimited", force.is_some_and(|force| force > 0.0))?;
         let here = &stand.body_from_here;
         Ok(Joint {
@@ -788,7 +800,7 @@ impl<'a> Reader<'a> {
             let Some(joint) = item.get("joint").or_else(|| item.get("jointinparent")) else { return Ok(None) };
             let gear = numbers(item, "gear", 1..=6)?.map_or(1.0, |gear| gear[0].abs());
             let bound = |range: &str, limited: &str| -> Result<Option<f64>, String> {
-                let found = numbers(item, range, 2..=2)?.filter(|range| range[0] < range[1]);
+                let found = fixed::<2>(item, range)?.filter(|range| range[0] < range[1]);
                 let found = found.map(|range| range[0].abs().max(range[1].abs()));
                 let holds = self.settings.limited(item, limited, found.is_some())?;
                 Ok(found.filter(|_| holds))
@@ -818,7 +830,7 @@ impl<'a> Reader<'a> {
 
     /// Says where a position servo may be told to go beyond its joint's range.
     fn servo(&mut self, item: &Item, range: Option<(f64, f64)>) {
-        let control = numbers(item, "ctrlrange", 2..=2).ok().flatten().filter(|control| control[0] < control[1]);
+        let control = fixed::<2>(item, "ctrlrange").ok().flatten().filter(|control| control[0] < control[1]);
         let (Some(control), Some((lower, upper)), "position") = (control, range, item.tag) else { return };
         let room = BEYOND * (upper - lower);
         if control[0] < lower - room || control[1] > upper + room {

@@ -257,9 +257,12 @@ impl<'t> Document<'t> {
             let advice = near.map_or("define it in <default>".into(), |near| format!("did you mean \"{near}\"?"));
             return Err(FormatError::one(self.place(item), format!("there is no class \"{name}\"; {advice}")));
         };
-        let mut result = item.clone();
-        result.attributes.retain(|(name, _)| *name != "class");
-        for (attribute, value) in class.get(item.tag).into_iter().flatten() {
+        let defaults = class.get(item.tag).map_or(&[][..], Vec::as_slice);
+        let mut attributes = Vec::with_capacity(item.attributes.len() + defaults.len());
+        attributes.extend(item.attributes.iter().filter(|(name, _)| *name != "class").cloned());
+        let mut result =
+            Item { tag: item.tag, attributes, children: item.children.clone(), text: item.text.clone(), at: item.at };
+        for (attribute, value) in defaults {
             if result.get(attribute).is_none() && !overruled(item, attribute) {
                 result.attributes.push((*attribute, value.clone()));
             }

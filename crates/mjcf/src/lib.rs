@@ -14,8 +14,8 @@
 //! let text = r#"<mujoco model="arm"><worldbody><body name="base"> <geom size=".1" mass="2"/>
 //!   <body name="tip" pos="0 0 .5"> <joint name="j" axis="0 1 0" range="-90 90"/> <geom size=".1"/> </body> </body>
 //!   </worldbody></mujoco>"#;
-//! let urdf = denavit_mjcf::read("arm.xml", text, &mut |name| Err(format!("{name} is not there")))?;
-//! let robot = denavit_model::urdf::read("arm.xml", &urdf)?;
+//! let made = denavit_mjcf::translated("arm.xml", text, &mut |name| Err(format!("{name} is not there")))?;
+//! let robot = made.robot("arm.xml")?;
 //! assert_eq!(robot.joints[0].limits.range.unwrap().1, std::f64::consts::FRAC_PI_2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -34,7 +34,7 @@ pub use mesh::triangles as mesh_triangles;
 pub use srdf::{Srdf, srdf};
 pub use write::{WriteOptions, write};
 
-use denavit_model::formats::FormatError;
+use denavit_model::formats::{Builder, FormatError};
 
 /// A file that a model names, relative to the model's own folder: its content, or why there is none.
 pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
@@ -47,6 +47,14 @@ pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 /// # Errors
 /// Everything that is wrong with the model, each with file, line, element and what to do.
 pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatError> {
+    Ok(translated(file, text, files)?.text())
+}
+
+/// As [`read`], with the tree that the text says, so that nobody need read it: [`Builder::robot`].
+///
+/// # Errors
+/// Those of [`read`].
+pub fn translated(file: &str, text: &str, files: &mut Files) -> Result<Builder, FormatError> {
     let included = document::Included::default();
     let document = document::read(file, text, &included, files)?;
     let model = bodies::model(&document, files)?;

@@ -10,6 +10,9 @@
 //! ```
 
 use crate::notes::{Note, Place};
+use crate::problems::UrdfError;
+use crate::robot::{Robot, SourceText};
+use crate::urdf::{self, Loose};
 use std::collections::HashMap;
 use std::fmt::{self, Write as _};
 use thiserror::Error;
@@ -394,13 +397,16 @@ fn fields<const N: usize>(record: &str) -> Option<[&str; N]> {
 pub struct Builder {
     /// Files, places, what is kept and noted.
     pub translation: Translation,
+    /// The tree that the lines say, as values, where the reader made it beside them: then nobody need read them. Its offsets
+    /// are those of [`Builder::offset`].
+    pub tree: Option<Loose>,
     body: String,
 }
 
 impl Builder {
     /// For a source, as yet without text.
     pub fn new(format: Format, file: impl Into<String>) -> Self {
-        Self { translation: Translation::new(format, file), body: String::new() }
+        Self { translation: Translation::new(format, file), tree: None, body: String::new() }
     }
 
     /// Adds a line of URDF, which comes from this file (an index into the translation's files) and line of the source. Line
@@ -422,9 +428,29 @@ impl Builder {
         self.body.push('\n');
     }
 
+    /// Where the next line will begin.
+    pub fn offset(&self) -> usize {
+        self.body.len()
+    }
+
     /// The URDF text, with its places inside.
     pub fn text(&self) -> String {
         [XML, &self.translation.instruction(), &self.body].concat()
+    }
+
+    /// The robot: what [`urdf::read`] gives for the [text](Builder::text), with less to read.
+    ///
+    /// # Errors
+    /// Those of [`urdf::read`].
+    pub fn robot(mut self, file: &str) -> Result<Robot, UrdfError> {
+        let text = self.text();
+        let before = text.len() - self.body.len();
+        self.translation.header = text[..before].matches('\n').count();
+        let source = SourceText::translated(file, text, self.translation);
+        match self.tree {
+            Some(tree) => urdf::of_values(source, before, tree).or_else(urdf::read_translated),
+            None => urdf::read_translated(source),
+        }
     }
 }
 
@@ -496,6 +522,9 @@ mod tests {
         let read = Translation::of_text(&text).unwrap();
         assert_eq!(Translation { header: 0, ..read.clone() }, builder.translation);
         let robot = crate::urdf::read("shown", &text).unwrap();
+        let again = builder.robot("shown").unwrap();
+        assert_eq!((&again.links, &again.notes), (&robot.links, &robot.notes));
+        assert_eq!((again.source.text, again.source.translation), (text, Some(Box::new(read))));
         assert_eq!(robot.source.place(robot.links[0].at, "x").to_string(), "part?>.sdf:8: x");
         let inventory = robot.inventory();
         assert_eq!(inventory.reported().map(|item| item.what.as_str()).collect::<Vec<_>>(), ["<plugin>"]);

@@ -59,6 +59,11 @@ impl SourceText {
         Self { file: file.into(), text, translation, ..Self::default() }
     }
 
+    /// A text that was made of a description in another format.
+    pub(crate) fn translated(file: impl Into<String>, text: String, translation: Translation) -> Self {
+        Self { file: file.into(), text, translation: Some(Box::new(translation)), ..Self::default() }
+    }
+
     /// The format of the description that the robot was read from.
     pub fn format(&self) -> Format {
         self.translation.as_ref().map_or(Format::Urdf, |translation| translation.format)

@@ -7,7 +7,9 @@ mod known;
 
 use crate::chain::Limits;
 use crate::element::Element;
+use crate::formats::Translation;
 use crate::intended;
+use crate::inventory::Inventory;
 use crate::notes::{Note, Place};
 use crate::problems::{Problem, ProblemKind, UrdfError, nearest_name};
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Mimic, Origin, Robot, Shape, SourceText};
@@ -62,7 +64,17 @@ pub fn vocabulary(path: &[&str]) -> Option<(Vec<&'static str>, Vec<&'static str>
 /// # Ok::<(), denavit_model::UrdfError>(())
 /// ```
 pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
-    let (source, fixes) = well_formed::prepare(file, text);
+    read_with(file, text, None)
+}
+
+/// As [`read`], of a text that was made of a description in another format.
+pub(crate) fn read_translated(mut source: SourceText) -> Result<Robot, UrdfError> {
+    let translation = source.translation.take().map(|translation| *translation);
+    read_with(&source.file, &source.text, translation)
+}
+
+fn read_with(file: &str, text: &str, translation: Option<Translation>) -> Result<Robot, UrdfError> {
+    let (source, fixes) = well_formed::prepare(file, text, translation);
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document =
         Document::parse_with_options(&source.text, options).map_err(|error| xml_error(&source, text, &error))?;
@@ -70,18 +82,35 @@ pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
     let parts = reader.robot(document.root_element());
     let Reader { problems, mut notes, .. } = reader;
     let Some(parts) = parts.filter(|_| problems.is_empty()) else { return Err(UrdfError { problems }) };
-    let Parts { name, links, joints, root, elements } = parts;
     let account = Account::of(document.root_element());
     notes.extend(account.notes(&source));
-    let mut read = account.inventory(&source);
-    if let Some(translation) = &source.translation {
-        read.understood = translation.understood;
-        notes.extend(translation.reader_notes());
+    let read = account.inventory(&source);
+    Ok(parts.robot(source, notes, read))
+}
+
+/// The robot of a text that was made of a description in another format, by its links and joints, whose offsets count from
+/// `before` on; the text where they make no tree.
+pub(crate) fn of_values(source: SourceText, before: usize, mut loose: Loose) -> Result<Robot, SourceText> {
+    for link in &mut loose.links {
+        link.at += before;
+        let on_shapes = link.visuals.iter_mut().chain(&mut link.collisions).flat_map(|shape| &mut shape.elements);
+        for element in on_shapes.chain(&mut link.elements) {
+            element.at += before;
+        }
     }
-    let mut robot = Robot { name, links, joints, root, elements, notes, read, source };
-    let unused = robot.unused();
-    robot.notes.extend(unused);
-    Ok(robot)
+    for LooseJoint { joint, .. } in &mut loose.joints {
+        joint.at += before;
+        for element in &mut joint.elements {
+            element.at += before;
+        }
+    }
+    let mut reader = Reader { source: &source, problems: Vec::new(), notes: Vec::new() };
+    let parts = reader.tree(loose, Vec::new());
+    let Reader { problems, notes, .. } = reader;
+    match parts.filter(|_| problems.is_empty()) {
+        Some(parts) => Ok(parts.robot(source, notes, Inventory::default())),
+        None => Err(source),
+    }
 }
 
 fn xml_error(source: &SourceText, original: &str, error: &roxmltree::Error) -> UrdfError {
@@ -112,11 +141,41 @@ struct Parts {
     elements: Vec<Element>,
 }
 
+impl Parts {
+    /// The robot, with all that must be said of its reading.
+    fn robot(self, source: SourceText, mut notes: Vec<Note>, mut read: Inventory) -> Robot {
+        let Self { name, links, joints, root, elements } = self;
+        if let Some(translation) = &source.translation {
+            read.understood = translation.understood;
+            notes.extend(translation.reader_notes());
+        }
+        let mut robot = Robot { name, links, joints, root, elements, notes, read, source };
+        let unused = robot.unused();
+        robot.notes.extend(unused);
+        robot
+    }
+}
+
+/// Links and joints whose ends are still names.
+#[derive(Debug, Clone, Default)]
+pub struct Loose {
+    /// The robot's name.
+    pub name: String,
+    /// In the order of the text.
+    pub links: Vec<Link>,
+    /// In the order of the text.
+    pub joints: Vec<LooseJoint>,
+}
+
 /// A joint whose ends are still names.
-struct LooseJoint {
-    joint: Joint,
-    parent: String,
-    child: String,
+#[derive(Debug, Clone)]
+pub struct LooseJoint {
+    /// The joint; its indices of links say nothing yet.
+    pub joint: Joint,
+    /// Name of the parent link.
+    pub parent: String,
+    /// Name of the child link.
+    pub child: String,
 }
 
 struct Reader<'a> {
@@ -183,6 +242,12 @@ impl Reader<'_> {
             return None;
         }
         let name = root.attribute("name").unwrap_or_default().to_owned();
+        self.tree(Loose { name, links, joints: loose }, elements)
+    }
+
+    /// The tree that links and joints make.
+    fn tree(&mut self, loose: Loose, elements: Vec<Element>) -> Option<Parts> {
+        let Loose { name, mut links, joints: loose } = loose;
         self.unique(links.iter().map(|link| ("link", link.name.as_str(), link.at)));
         self.unique(loose.iter().map(|loose| ("joint", loose.joint.name.as_str(), loose.joint.at)));
         self.declare_world(&mut links, &loose);

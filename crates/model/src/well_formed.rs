@@ -1,11 +1,13 @@
 //! Bringing text into a form that an XML parser takes, such that the original can be had back.
 
-use crate::formats::behind_instruction;
+use crate::formats::{Translation, behind_instruction};
 use crate::notes::{Note, Place};
 use crate::robot::SourceText;
 
 /// Splits off what may not stand before the XML declaration, and declares namespace prefixes that are used unbound.
-pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
+///
+/// Where the text comes from is read from it, or given as `translation`.
+pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translation>) -> (SourceText, Vec<Note>) {
     let mut notes = Vec::new();
     let mut mended = |line, what: String| {
         notes.push(Note::Mended { place: Place { file: file.to_owned(), line, element: "file".into() }, what });
@@ -21,7 +23,10 @@ pub(crate) fn prepare(file: &str, original: &str) -> (SourceText, Vec<Note>) {
         mended(1, "white space before the XML declaration is skipped".into());
     }
     let (dropped_before, text) = original.split_at(start);
-    let mut source = SourceText::new(file, text);
+    let mut source = match translation {
+        Some(translation) => SourceText::translated(file, text.to_owned(), translation),
+        None => SourceText::new(file, text),
+    };
     dropped_before.clone_into(&mut source.dropped_before);
     let unbound = unbound_prefixes(&text[behind_instruction(text)..]);
     if !unbound.is_empty()
@@ -123,7 +128,7 @@ mod tests {
             "<robot><xacro:include a:b='c:d'/></robot>",
             "<robot xmlns:gazebo='u'><gazebo:x/><!-- e:f g -->w:h</robot>",
         ] {
-            let (source, _) = prepare("f", original);
+            let (source, _) = prepare("f", original, None);
             let mut text = source.text.clone();
             text.replace_range(source.declared.clone(), "");
             assert_eq!(source.dropped_before.clone() + &text, original);

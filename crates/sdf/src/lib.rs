@@ -21,5 +21,5 @@ mod sources;
 mod tree;
 mod write;
 
-pub use read::read;
+pub use read::{read, translated};
 pub use write::write;

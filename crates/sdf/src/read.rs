@@ -46,6 +46,14 @@ use std::collections::{HashMap, HashSet};
 /// # Ok::<(), denavit_model::UrdfError>(())
 /// ```
 pub fn read(file: &str, text: &str, fetch: &mut Fetch) -> Result<String, FormatError> {
+    Ok(translated(file, text, fetch)?.text())
+}
+
+/// As [`read`], for [`Builder::robot`].
+///
+/// # Errors
+/// Those of [`read`].
+pub fn translated(file: &str, text: &str, fetch: &mut Fetch) -> Result<Builder, FormatError> {
     let sources = Sources::gathered(file, text, fetch);
     let (documents, problems) = sources.documents();
     let mut reader = Reader::new(&sources, &documents);
@@ -92,7 +100,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         }
     }
 
-    fn translated(mut self) -> Result<String, Reader<'a>> {
+    fn translated(mut self) -> Result<Builder, Reader<'a>> {
         let model = self.model;
         let frames = &model.frames;
         let bodies: Vec<FrameId> = model.links.iter().map(|link| link.frame).collect();
@@ -137,11 +145,11 @@ impl<'a, 'm> Translator<'a, 'm> {
         self.free(&tree);
         inertia::say_defaults(&mut self.reader);
         self.of_model(&tree);
-        if self.reader.problems.is_empty() { Ok(self.text()) } else { Err(self.reader) }
+        if self.reader.problems.is_empty() { Ok(self.builder()) } else { Err(self.reader) }
     }
 
     /// The whole text.
-    fn text(mut self) -> String {
+    fn builder(mut self) -> Builder {
         let mut builder = Builder::new(Format::Sdf, self.reader.sources.files[0].name.clone());
         builder.translation.files = self.reader.sources.files.iter().map(|file| file.name.clone()).collect();
         builder.translation.notes = std::mem::take(&mut self.reader.notes);
@@ -158,7 +166,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             builder.line(*line, text);
         }
         builder.line(first, "</robot>");
-        builder.text()
+        builder
     }
 
     fn line_of(&self, part: Part) -> Line {

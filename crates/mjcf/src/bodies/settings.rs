@@ -1,7 +1,7 @@
 //! What a model's `<compiler>` asks for.
 
 use crate::document::Item;
-use crate::place::{Angles, number, numbers};
+use crate::place::{Angles, fixed, number};
 
 /// When a body's mass is that of its geoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +93,7 @@ impl Settings {
         self.least_mass = number(item, "boundmass")?.unwrap_or(self.least_mass);
         self.least_inertia = number(item, "boundinertia")?.unwrap_or(self.least_inertia);
         self.total_mass = number(item, "settotalmass")?.filter(|total| *total > 0.0).or(self.total_mass);
-        if let Some(range) = numbers(item, "inertiagrouprange", 2..=2)? {
+        if let Some(range) = fixed::<2>(item, "inertiagrouprange")? {
             #[expect(clippy::cast_possible_truncation, reason = "groups are small whole numbers")]
             let range = (range[0] as i64, range[1] as i64);
             self.groups = range;

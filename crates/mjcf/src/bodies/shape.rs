@@ -5,12 +5,13 @@ use crate::Files;
 use crate::document::Item;
 use crate::mass::{Mass, Solid};
 use crate::mesh::{self, Inside, Triangles};
-use crate::place::{from_to, number, numbers, vector};
+use crate::place::{fixed, from_to, number, numbers, vector};
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::problems::nearest_name;
 use denavit_model::robot::Geometry;
 use denavit_model::se3::{self, Pose};
 use std::collections::HashMap;
+use std::rc::Rc;
 
 /// kg/m³, where a geom states neither density nor mass.
 const WATER: f64 = 1000.0;
@@ -51,14 +52,14 @@ struct Mesh {
 /// Meshes and colours by name, and solids that were read.
 #[derive(Debug, Default)]
 pub struct Meshes {
-    assets: HashMap<String, Mesh>,
+    assets: HashMap<String, Rc<Mesh>>,
     colours: HashMap<String, [f64; 4]>,
     solids: HashMap<String, Result<Solid, String>>,
 }
 
 impl<'a> Reader<'a> {
     pub(super) fn material(&mut self, item: &Item) {
-        let rgba = numbers(item, "rgba", 4..=4);
+        let rgba = fixed::<4>(item, "rgba");
         let Some(rgba) = self.good(item, rgba) else { return };
         if let (Some(name), Some(c)) = (item.get("name"), rgba) {
             self.meshes.colours.insert(name.to_owned(), [c[0], c[1], c[2], c[3]]);
@@ -88,7 +89,7 @@ impl<'a> Reader<'a> {
         let read = || -> Result<Mesh, String> {
             let scale = vector(&resolved, "scale")?.map_or([1.0; 3], Into::into);
             let refpos = vector(&resolved, "refpos")?.unwrap_or_default();
-            let refquat = match numbers(&resolved, "refquat", 4..=4)? {
+            let refquat = match fixed::<4>(&resolved, "refquat")? {
                 None => Rotation3::identity(),
                 Some(q) => UnitQuaternion::try_new(Quaternion::new(q[0], q[1], q[2], q[3]), 1e-14)
                     .ok_or("refquat has length 0; write w x y z of a rotation")?
@@ -107,7 +108,7 @@ impl<'a> Reader<'a> {
         };
         let read = read();
         if let Some(mesh) = self.good(item, read) {
-            self.meshes.assets.insert(name, mesh);
+            self.meshes.assets.insert(name, Rc::new(mesh));
         }
     }
 
@@ -301,7 +302,7 @@ impl<'a> Reader<'a> {
         let whole = |attribute: &str, otherwise: f64| number(item, attribute).map(|found| found.unwrap_or(otherwise));
         let collides = whole("contype", 1.0)? != 0.0 || whole("conaffinity", 1.0)? != 0.0;
         let seen = whole("group", 0.0)? <= LAST_SHOWN_GROUP || !collides;
-        let rgba = numbers(item, "rgba", 4..=4)?.map(|c| [c[0], c[1], c[2], c[3]]);
+        let rgba = fixed::<4>(item, "rgba")?.map(|c| [c[0], c[1], c[2], c[3]]);
         let of_material = || self.meshes.colours.get(item.get("material")?).copied();
         let rgba = rgba.or_else(of_material);
         let name = item.get("name").map(str::to_owned);
