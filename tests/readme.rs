@@ -29,13 +29,13 @@ fn every_example_prints_what_the_readme_shows() {
 fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap();
         if path.is_dir() {
+            let name = path.file_name().unwrap().to_str().unwrap();
             let skipped = ["node_modules", "target", "dist", "robots", "data", "templates", "shared"];
             if !name.starts_with('.') && !skipped.contains(&name) {
                 documents(&path, found);
             }
-        } else if name.ends_with(".md") {
+        } else if path.extension().is_some_and(|extension| extension == "md") {
             found.push(path);
         }
     }
@@ -56,7 +56,8 @@ fn the_documents_are_short() {
             (words, path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned())
         })
         .collect();
-    counts.sort_unstable_by(|a, b| b.cmp(a));
+    counts.sort_unstable();
+    counts.reverse();
     let all: usize = counts.iter().map(|(words, _)| words).sum();
     let mut list = format!("{all:>6} all\n");
     for (words, name) in &counts {

@@ -193,7 +193,7 @@ fn the_account_of_a_file_is_shown_in_every_format() {
     let trial =
         Trial::new().with("r.urdf", &arm(&format!("<origin rpi=\"0 0 0\"/>{LIMIT}"), "<gazebo reference=\"a\"/>"));
     let text = trial.run("check r.urdf").succeeded();
-    assert!(text.contains("understood, 1 carried along unchanged (1 <gazebo>), 1 not understood\n1 file(s)"), "{text}");
+    assert!(text.contains("understood, 1 kept unchanged (1 <gazebo>), 1 not understood\n1 file(s)"), "{text}");
     let json: Value = serde_json::from_str(&trial.run("check r.urdf --json").succeeded()).unwrap();
     let account = &json["inventory"][0];
     assert!(account["understood"].as_u64().unwrap() > 10, "{account}");

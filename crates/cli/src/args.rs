@@ -24,7 +24,7 @@ pub use measured::{
 pub use program::{CompletionsArguments, LspArguments, ManArguments};
 use std::path::PathBuf;
 
-/// A robot's URDF in; screw axes, Denavit-Hartenberg tables, comparison and calibration out.
+/// Denavit-Hartenberg tables, screw axes, comparison and calibration of robots from their descriptions.
 #[derive(Debug, Parser)]
 #[command(name = "denavit", version, propagate_version = true, max_term_width = 110, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -33,21 +33,24 @@ pub struct Arguments {
     pub command: Command,
 }
 
+/// The heading of options that say which robot is meant and how it is read.
+const ROBOT_OPTIONS: &str = "Robot options";
+
 const EXAMPLES: &str = "\
 Examples:
-  denavit table ur5e.urdf                          the D-H table, in degrees and metres
-  denavit table ur5e.urdf --convention proximal    modified (Craig) form
-  denavit table panda.urdf --format tex > dh.tex   for a document
-  denavit chains pr2.urdf                          which chains there are
-  denavit fk ur5e.urdf --q 0,-1.57,1.57,0,0,0      where the tip is
-  denavit ik ur5e.urdf --pose 0.4,0.2,0.5,180,0,0 --units m,deg --all   every way to reach a pose
-  denavit table ur.urdf.xacro ur_type:=ur5e        xacro, without ROS
-  denavit diff git:HEAD:arm.urdf arm.urdf          what an edit changed
-  denavit diff --robots git:main                   the same for every robot of a repository
-  denavit calibrate arm.urdf --data tracker.csv    from measurements to the robot as it is
+  denavit table ur5e.urdf                         D-H table, degrees and metres
+  denavit table ur5e.urdf --convention proximal   modified (Craig) form
+  denavit table panda.urdf --format tex > dh.tex  for a document
+  denavit chains pr2.urdf                         the chains of a robot
+  denavit fk ur5e.urdf --q 0,-1.57,1.57,0,0,0     the pose of the tip
+  denavit ik ur5e.urdf --pose 0.4,0.2,0.5,3.14,0,0 --all
+  denavit table ur.urdf.xacro ur_type:=ur5e       xacro, without ROS
+  denavit diff git:HEAD:arm.urdf arm.urdf         what an edit changed
+  denavit diff --robots git:main                  every robot of a repository
+  denavit calibrate arm.urdf --data tracker.csv   a robot from measurements
 
-ROBOT is a URDF, a xacro file, a D-H table (CSV, Markdown, JSON) or screw axes (CSV, JSON), the kinematics file
-of a UR, xArm or Franka arm (yaml), - for standard input, or git:REVISION:PATH.
+ROBOT is a URDF, MJCF, SDF or xacro file, a D-H table or screw axes, a maker's calibration file, - for standard input, \
+or git:REVISION:PATH.
 Exit codes: 0 done or the same, 1 different or found, 2 error.";
 
 /// The commands.
@@ -57,25 +60,25 @@ pub enum Command {
     Table(TableArguments),
     /// List every chain from a base link to a leaf
     Chains(ChainsArguments),
-    /// Forward kinematics: where the tip is at given joint values
+    /// Compute the pose of the tip at given joint values (forward kinematics)
     Fk(FkArguments),
-    /// Print the joint values that reach a pose: every branch of the arm
+    /// Compute the joint values that reach a pose (inverse kinematics)
     Ik(IkArguments),
     /// Write the kinematics of one robot as source code: C, C++, Rust, Python, MATLAB
     Code(CodeArguments),
-    /// Where the camera and the marker are, from pairs of poses alone (AX = XB, AX = YB)
+    /// Locate camera and marker from pairs of poses (AX = XB, AX = YB)
     HandEye(HandEyeArguments),
     /// Print the screw axes and the home pose (product of exponentials)
     Poe(PoeArguments),
-    /// Say how two robots differ: per joint, and at the tips
+    /// Compare two robots: per joint, and at the tips
     Diff(DiffArguments),
-    /// Print a robot line by line, everything that `diff` compares: for `git diff`
+    /// Print everything that `diff` compares, line by line: for `git diff`
     Describe(DescribeArguments),
     /// Expand a xacro file to URDF, without ROS
     Expand(ExpandArguments),
-    /// Write the canonical URDF, whose link frames are the D-H frames; or a URDF from a D-H table
+    /// Write a URDF whose link frames are the D-H frames, a URDF from a D-H table, MJCF or SDF
     Export(ExportArguments),
-    /// Edit a URDF in place: flip, re-zero, re-root, rename and more, each with its proof
+    /// Edit a URDF: flip, re-zero, re-root, rename and more, each with its proof
     Edit(EditArguments),
     /// Make a page of each robot: figures, tables, a 3-D view
     Doc(DocArguments),
@@ -83,23 +86,23 @@ pub enum Command {
     Explore(ExploreArguments),
     /// Print a short hash of what the robot is, to pin in CI
     Fingerprint(FingerprintArguments),
-    /// Hold URDF files against numbered rules
+    /// Find mistakes in robot descriptions
     Check(CheckArguments),
     /// Calibrate a robot from measured data
     Calibrate(Box<CalibrateArguments>),
-    /// Say which parameters of a robot measurements can identify, and which not
+    /// List the parameters of a robot that measurements can identify
     Identify(IdentifyArguments),
-    /// Hold each measured row against those before it while you measure, and say which pose would help most next
+    /// Check each row while you measure, and propose the next pose
     Measure(Box<MeasureArguments>),
-    /// Choose the poses to measure that make the robot best observable
+    /// Choose the poses to measure that determine the robot best
     Plan(PlanArguments),
-    /// Print a plate of holes to touch with the tip: an arm is calibrated with it and without an instrument
+    /// Write a plate of holes to print and touch: calibration without an instrument
     Plate(PlateArguments),
-    /// Make measurement files of a robot that differs from its drawing, for trials and teaching
+    /// Simulate measurements of a robot that differs from its drawing
     Simulate(SimulateArguments),
-    /// Turn poses to reach into joint commands for the robot as it is
+    /// Compute joint commands with which a calibrated robot reaches poses
     Compensate(CompensateArguments),
-    /// Work over a fleet of robots: run a manifest into a store of Parquet files
+    /// Calibrate or check many robots, and store the results as Parquet files
     Fleet(FleetArguments),
     /// Serve an editor: errors as you type, hover, definitions, rename, completion
     Lsp(LspArguments),
@@ -113,16 +116,16 @@ pub enum Command {
 #[derive(Debug, Clone, Default, Args)]
 pub struct OneTip {
     /// Link that the chain ends at [default: the end of the longest actuated chain]
-    #[arg(long, value_name = "LINK")]
+    #[arg(long, value_name = "LINK", help_heading = ROBOT_OPTIONS)]
     pub tip: Option<String>,
 }
 
 /// Where the chain ends, or the chains that are measured together.
 #[derive(Debug, Clone, Default, Args)]
 pub struct SeveralTips {
-    /// Link that the chain ends at [default: the end of the longest actuated chain]; several times for several tips of one
-    /// robot, such as both hands: a column tip then says which of them a row is of
-    #[arg(long = "tip", value_name = "LINK")]
+    /// Link that the chain ends at [default: the end of the longest actuated chain]; repeat it for several tips of one robot,
+    /// such as both hands: a column tip then names the tip of each row
+    #[arg(long = "tip", value_name = "LINK", help_heading = ROBOT_OPTIONS)]
     pub tips: Vec<String>,
 }
 
@@ -133,18 +136,17 @@ pub struct RobotArguments<T: Args = OneTip> {
     /// arm (yaml), - for standard input, or git:REVISION:PATH
     pub robot: String,
     /// Link that the chain starts at [default: the root, or below the last floating joint]
-    #[arg(long, value_name = "LINK")]
+    #[arg(long, value_name = "LINK", help_heading = ROBOT_OPTIONS)]
     pub base: Option<String>,
     /// Where it ends.
     #[command(flatten)]
     pub tip: T,
-    /// Take every number as it is written: no angle read as the multiple of π it was meant for, no near-parallel axes
-    /// made parallel
-    #[arg(long)]
+    /// Take every number as written: 1.5708 is not read as π/2, near-parallel axes are not made parallel
+    #[arg(long, help_heading = ROBOT_OPTIONS)]
     pub exact: bool,
-    /// Neighbouring axes closer to parallel than this are treated as parallel, rad
+    /// Angle below which neighbouring axes count as parallel, rad
     #[arg(long, value_name = "RAD", default_value_t = denavit_load::NEARLY_PARALLEL, conflicts_with = "exact",
-        value_parser = numbers::tolerance)]
+        value_parser = numbers::tolerance, help_heading = ROBOT_OPTIONS)]
     pub tolerance: f64,
     /// What some sources need.
     #[command(flatten)]
@@ -157,24 +159,21 @@ pub struct SourceArguments {
     /// Arguments of a xacro file
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub values: Vec<String>,
-    /// Folder with ROS packages, or a package; may be given several times [also: AMENT_PREFIX_PATH, ROS_PACKAGE_PATH,
-    /// and the packages around the file]
-    #[arg(long, value_name = "FOLDER")]
+    /// Folder with ROS packages, or a package; may be repeated [also: AMENT_PREFIX_PATH, ROS_PACKAGE_PATH, and the
+    /// packages around the file]
+    #[arg(long, value_name = "FOLDER", help_heading = ROBOT_OPTIONS)]
     pub package_path: Vec<PathBuf>,
     /// Let xacro read files outside its package and the package path
-    #[arg(long)]
+    #[arg(long, help_heading = ROBOT_OPTIONS)]
     pub allow_any_file: bool,
-    /// Read the angles of a UR kinematics file as the vendor's tool means them, Rx Ry Rz [default: Rz Ry Rx, as a URDF
-    /// reads them, so as a robot that ROS drives moves]
-    #[arg(long)]
+    /// Read the angles of a UR kinematics file as Rx Ry Rz, as the vendor's tool does [default: Rz Ry Rx, as ROS does]
+    #[arg(long, help_heading = ROBOT_OPTIONS)]
     pub vendor_angles: bool,
-    /// How a D-H table's file groups its rows, where it does not say so itself: distal, proximal, paper or hayati
-    /// [default: distal]
-    #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
+    /// Convention of a D-H table that does not state it: distal, proximal, paper or hayati [default: distal]
+    #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true, help_heading = ROBOT_OPTIONS)]
     pub table_convention: Option<ConventionName>,
-    /// Units of a D-H table's numbers, where the file does not say so itself: such as mm,deg or in,rad [default: what the
-    /// numbers can be]
-    #[arg(long, value_name = "UNITS")]
+    /// Units of a D-H table that does not state them, such as mm,deg [default: found from the numbers]
+    #[arg(long, value_name = "UNITS", help_heading = ROBOT_OPTIONS)]
     pub table_units: Option<String>,
 }
 
@@ -263,12 +262,12 @@ pub struct TableArguments {
     /// How the numbers are grouped into rows
     #[arg(long, value_enum)]
     pub convention: Option<ConventionName>,
-    /// Choice that the geometry does not determine
+    /// Rule for choices that the geometry does not determine
     #[arg(long, value_enum)]
     pub gauge: Option<GaugeName>,
-    /// Compare with a vendor's table (CSV, Markdown or JSON, as manuals print it): find the senses, zeros, base and tool
-    /// frames in which the robot equals it, print it in the vendor's form, say where they differ; exit code 1 unless
-    /// exact or rounded. --convention and --table-units say how the table is to be read; what nobody says is tried
+    /// Compare with a vendor's table (CSV, Markdown, JSON): find senses, zeros, base and tool frames, print the table in
+    /// the vendor's form and list differences; exit code 1 unless exact or rounded. --convention and --table-units state
+    /// how to read the table; otherwise all are tried
     #[arg(long, value_name = "TABLE", conflicts_with = "gauge")]
     pub r#match: Option<String>,
     /// Units of text.
@@ -302,7 +301,7 @@ pub struct ChainsArguments {
 const FK_EXAMPLES: &str = "\
 Examples:
   denavit fk ur5e.urdf --q 0,-90,90,0,0,0 --degrees
-  denavit fk as_it_is.urdf --effects effects.json --given payload=2 --q elbow_joint=1.2";
+  denavit fk calibrated.urdf --effects effects.json --given payload=2 --q elbow_joint=1.2";
 
 /// Arguments of `denavit fk`.
 #[derive(Debug, Args)]
@@ -317,7 +316,7 @@ pub struct FkArguments {
     /// Joint angles of --q are in degrees
     #[arg(long)]
     pub degrees: bool,
-    /// Effects that act on the robot: what `denavit calibrate --effects-out` wrote
+    /// File of effects, as `denavit calibrate --effects-out` wrote it
     #[arg(long, value_name = "FILE")]
     pub effects: Option<String>,
     /// What the effects follow.
@@ -333,9 +332,9 @@ pub struct FkArguments {
 
 const IK_EXAMPLES: &str = "\
 Poses are of the tip in the base frame: x,y,z and roll,pitch,yaw (R = Rz(yaw) Ry(pitch) Rx(roll)), or columns of a CSV with \
-qx,qy,qz,qw in place of the angles; rows of joint values stand for the pose that the robot has there. Solutions next to \
---near come first, those outside of the limits last; each next row is sought next to the one before. The exit code is 1 where a \
-pose is not reached within the limits; then the nearest pose that was found is printed, and how far it is away.
+qx,qy,qz,qw for the angles; rows of joint values mean the pose of the robot there. Solutions near --near come first, those \
+outside the limits last; each row starts from the solution of the row before. If a pose is not reached within the limits, the \
+nearest pose and its distance are printed, and the exit code is 1.
 
 Examples:
   denavit ik ur5e.urdf --pose 0.4,0.2,0.5,180,0,0 --units m,deg --all
@@ -361,10 +360,10 @@ pub struct IkArguments {
     /// Poses to reach, a CSV, or - for standard input
     #[arg(long, value_name = "FILE")]
     pub poses: Option<String>,
-    /// Joint values that the first solution is to be near, in order or by name, in --units
+    /// Joint values near which the first solution is, in order or by name, in --units
     #[arg(long, value_name = "VALUES", allow_hyphen_values = true, default_value = "")]
     pub near: String,
-    /// Print every solution, not the first alone
+    /// Print every solution, not only the first
     #[arg(long)]
     pub all: bool,
     /// Units of poses and of joint values: lengths m, mm, um or in; angles rad, mrad or deg
@@ -454,7 +453,7 @@ pub struct HandEyeArguments {
     /// Pairs of poses, a CSV, or - for standard input
     #[arg(long, value_name = "FILE")]
     pub data: String,
-    /// The instrument is on the hand, and the target stands; without it the other way round
+    /// The instrument is on the hand and the target stands still, not the reverse
     #[arg(long)]
     pub on_hand: bool,
     /// Units of the file: lengths m, mm, um or in; angles rad, mrad or deg
@@ -469,10 +468,10 @@ pub struct HandEyeArguments {
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     pub format: HandEyeFormat,
-    /// What the instrument's frame is placed in, in ROS and URDF [default: base, or tip with --on-hand]
+    /// Parent of the instrument's frame in ROS and URDF [default: base, or tip with --on-hand]
     #[arg(long, value_name = "NAME")]
     pub parent: Option<String>,
-    /// What the instrument's frame is called there
+    /// Name of the instrument's frame there
     #[arg(long, value_name = "NAME", default_value = "instrument")]
     pub child: String,
     /// JSON.
@@ -530,7 +529,7 @@ pub struct ExpandArguments {
 /// What `--only` restricts a comparison to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OnlyName {
-    /// How and how far it moves: no inertials, shapes, speeds, efforts, transmissions and settings
+    /// Motion and position limits; no inertials, shapes, speeds, efforts, transmissions and settings
     Kinematics,
 }
 
@@ -543,7 +542,7 @@ pub struct DescribeArguments {
     /// What some sources need.
     #[command(flatten)]
     pub source: SourceArguments,
-    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    /// Take every number as written: 1.5708 is not read as π/2
     #[arg(long)]
     pub exact: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
@@ -556,9 +555,9 @@ pub struct DescribeArguments {
 #[command(after_long_help = what_is_compared())]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct DiffArguments {
-    /// The robot as it was: any source. With --robots the revision to compare with: git:REVISION
+    /// The robot before: any source. With --robots the revision to compare with: git:REVISION
     pub a: String,
-    /// The robot as it is: any source. With --robots a second revision [default: the working tree]
+    /// The robot after: any source. With --robots a second revision [default: the working tree]
     #[arg(required_unless_present = "robots")]
     pub b: Option<String>,
     /// Compare every robot of the repository: those that denavit.toml names, or else every description in it
@@ -579,19 +578,19 @@ pub struct DiffArguments {
     /// Compare only this
     #[arg(long, value_enum)]
     pub only: Option<OnlyName>,
-    /// Where and how the robot stands on its root link does not matter
+    /// Ignore the pose of the robot on its root link
     #[arg(long)]
     pub up_to_base: bool,
-    /// Joint zero offsets and senses do not matter
+    /// Ignore joint zeros and senses
     #[arg(long)]
     pub up_to_zeros: bool,
-    /// One was made of the other by way of this format: what it cannot say does not count
+    /// One was converted through this format: ignore what it cannot express
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub through: Option<RobotFormatName>,
-    /// Added, removed and renamed links, joints and frames matter, too
+    /// Count added, removed and renamed links, joints and frames as differences
     #[arg(long)]
     pub count_names: bool,
-    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    /// Take every number as written: 1.5708 is not read as π/2
     #[arg(long)]
     pub exact: bool,
     /// Range to sample instead of the joint limits, rad or m: LOWER,UPPER for all joints or NAME=LOWER,UPPER
@@ -762,7 +761,7 @@ pub struct FingerprintArguments {
     /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
     pub expect: Option<String>,
-    /// Read every angle and axis as the number that it is, also 1.5708, which is else read as π/2
+    /// Take every number as written: 1.5708 is not read as π/2
     #[arg(long)]
     pub exact: bool,
     /// With --expect: what is not motion may differ: masses, shapes, speeds, transmissions, settings
@@ -796,7 +795,7 @@ pub struct CheckArguments {
     /// Let xacro read files outside its package and the package path
     #[arg(long)]
     pub allow_any_file: bool,
-    /// Fix in place what is certain
+    /// Fix in place the findings whose fix is certain
     #[arg(long)]
     pub fix: bool,
     /// Known findings, as --write-baseline wrote them: only what is new is reported, and only new errors make the exit code 1

@@ -21,11 +21,11 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
         let (before, after) = (|command: &Command| command.uncompensated.0, |command: &Command| command.position_error);
         let _ = write!(
             text,
-            "; expected miss, mm: {:.4} rms, {:.4} at most by the nominal commands, {:.4} rms, {:.4} at most by these",
-            rms(before),
-            most(before),
+            "; expected error, mm: {:.4} rms, {:.4} at most (nominal commands: {:.4} rms, {:.4} at most)",
             rms(after),
-            most(after)
+            most(after),
+            rms(before),
+            most(before)
         );
     }
     text.push('\n');

@@ -122,7 +122,7 @@ pub fn knowledge(status: &RowStatus, chain: &Chain, units: Units) -> String {
     let Some(known) = &status.known else { return text };
     let _ = write!(text, "noise {} per component", offs(&status.noise, |noise| size(noise.error, noise.unit)));
     if let Some(prediction) = known.prediction_std_m {
-        let _ = write!(text, "; over the joint range it is predicted to {} by now", size(prediction, "m"));
+        let _ = write!(text, "; predicted error over the joint range {}", size(prediction, "m"));
     }
     let bar = (20 * known.known).checked_div(known.identifiable).unwrap_or(0);
     let _ = writeln!(

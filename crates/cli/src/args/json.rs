@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// JSON beside the text, or instead of it.
 #[derive(Debug, Clone, Default, Args)]
 pub struct JsonArguments {
-    /// The result as JSON: into FILE, beside the text, or without FILE on standard output, instead of the text. FILE ends
-    /// in .json; any other name needs --json=FILE
+    /// Print the result as JSON instead of the text, or write it to FILE beside the text. FILE ends in .json; any other name
+    /// needs --json=FILE
     #[arg(id = "json", long = "json", value_name = "FILE", num_args = 0..=1, require_equals = true,
         default_missing_value = "-")]
     pub file: Option<PathBuf>,

@@ -28,22 +28,30 @@ pub struct GivenArguments {
     pub given: Vec<String>,
 }
 
+/// Headings of options.
+const DATA: &str = "Measurements";
+const FIT: &str = "Fit";
+const WRITTEN: &str = "Files to write";
+const COLUMNS: &str = "Columns of the data";
+const CAMERA: &str = "Camera";
+const BAG: &str = "ROS 2 bags";
+
 const CALIBRATE_EXAMPLES: &str = "\
 The data are CSV: a column per joint, named as in the URDF (rad, m), and x,y,z of a target on the tip (m), or \
 x,y,z,qx,qy,qz,qw, or x1,y1,z1,x2,… of several targets, or distance from a fixed anchor, or pixels u,v of a board's \
-corners. Where the instrument stands and where the target sits is found. Row order is run order; time, temperature, payload, JOINT.approach, JOINT.velocity and \
-other numeric columns are what effects may follow.
+corners. The positions of instrument and target are found. Keep the rows in the order of the run. Effects may follow time, \
+temperature, payload, JOINT.approach, JOINT.velocity and other numeric columns.
 
 Examples:
   denavit calibrate arm.urdf --data train.csv --test test.csv
-  denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3 --html report.html
-  denavit calibrate arm.urdf --data d.csv --urdf as_it_is.urdf --effects-out effects.json
-  denavit calibrate two.urdf --tip left --tip right --data d.csv both hands of a robot in one fit
-  denavit calibrate arm.urdf --data corners.csv --camera webcam.yaml --board 7x5:30mm
-  denavit calibrate arm.urdf --data d.csv --zeros --urdf zeroed.urdf --offsets-out lerobot offsets.json
-  denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml  for ur_description; see docs/makers.md
-  denavit calibrate arm.urdf --data ten_poses.csv --prior earlier.json   ten poses bring a calibrated robot up to date
-  some-tool | denavit calibrate arm.urdf --data - --effects none         geometry alone
+  denavit calibrate arm.urdf --data d.csv --units mm,deg --hold-out 0.3
+  denavit calibrate arm.urdf --data d.csv --urdf new.urdf --effects-out e.json
+  denavit calibrate two.urdf --tip left --tip right --data d.csv
+  denavit calibrate arm.urdf --data d.csv --camera c.yaml --board 7x5:30mm
+  denavit calibrate arm.urdf --data d.csv --zeros --urdf zeroed.urdf
+  denavit calibrate ur5e.urdf --data d.csv --out-for ur kinematics.yaml
+  denavit calibrate arm.urdf --data ten_poses.csv --prior earlier.json
+  some-tool | denavit calibrate arm.urdf --data - --effects none
 
 See docs/calibration.md and docs/effects.md.";
 
@@ -51,36 +59,37 @@ See docs/calibration.md and docs/effects.md.";
 #[derive(Debug, Args)]
 #[command(after_help = CALIBRATE_EXAMPLES)]
 pub struct CalibrateArguments {
-    /// Which robot.
-    #[command(flatten)]
-    pub robot: RobotArguments<SeveralTips>,
-    /// Measurements to fit, or - for standard input; a ROS 2 bag (.mcap, .db3, or its folder), too; several files are several setups: each has its own instrument frame
-    /// and targets
-    #[arg(long, value_name = "FILE", required_unless_present = "socket")]
+    /// Measurements to fit, or - for standard input, or a ROS 2 bag (.mcap, .db3, folder); several files are several setups,
+    /// each with its own instrument frame and targets
+    #[arg(long, value_name = "FILE", required_unless_present = "socket", help_heading = DATA)]
     pub data: Vec<String>,
-    /// Joint readings taken with a ball on the tip in the socket of this label: a bare CSV without header, a column per
-    /// joint, such as front/0=front_0.csv
-    #[arg(long, value_name = "LABEL=FILE")]
-    pub socket: Vec<String>,
-    /// A known distance between two sockets: front/0,front/1=50mm, or '*/0,*/1=50mm' for every placement; how sure it is may
-    /// follow as +-0.1mm (else 0.05 mm)
-    #[arg(long, value_name = "PAIR=LENGTH")]
-    pub distance: Vec<String>,
+    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
+    #[arg(long, value_name = "UNITS", default_value = "m,rad", help_heading = DATA)]
+    pub units: String,
+    /// Share of the rows to hold out as test data
+    #[arg(long, value_name = "SHARE", value_parser = numbers::part, help_heading = DATA)]
+    pub hold_out: Option<f64>,
     /// Test data, never fitted; sockets in it are new places
-    #[arg(long, value_name = "FILE", conflicts_with = "hold_out")]
+    #[arg(long, value_name = "FILE", conflicts_with = "hold_out", help_heading = DATA)]
     pub test: Option<String>,
     /// Setups, or placements of sockets, to hold out as test data
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["hold_out", "test"])]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["hold_out", "test"],
+        help_heading = DATA)]
     pub hold_out_setups: Vec<String>,
-    /// Without --test: share of the rows to hold out as test data
-    #[arg(long, value_name = "SHARE", value_parser = numbers::part)]
-    pub hold_out: Option<f64>,
     /// Seed of the choice of rows held out
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = DATA)]
     pub seed: u64,
-    /// Units of the data: lengths m, mm, um or in; angles rad, mrad or deg
-    #[arg(long, value_name = "UNITS", default_value = "m,rad")]
-    pub units: String,
+    /// Joint readings with a ball on the tip in the socket of this label: a CSV without header, a column per joint, such as
+    /// front/0=front_0.csv
+    #[arg(long, value_name = "LABEL=FILE", help_heading = DATA)]
+    pub socket: Vec<String>,
+    /// Known distance between two sockets: front/0,front/1=50mm, or '*/0,*/1=50mm' for every placement; its standard
+    /// deviation may follow as +-0.1mm (else 0.05 mm)
+    #[arg(long, value_name = "PAIR=LENGTH", help_heading = DATA)]
+    pub distance: Vec<String>,
+    /// Print a map of the data's columns to start from, and do nothing else
+    #[arg(long, requires = "data", help_heading = DATA)]
+    pub columns_draft: bool,
     /// What the columns of an instrument's export are.
     #[command(flatten)]
     pub import: ImportArguments,
@@ -93,113 +102,113 @@ pub struct CalibrateArguments {
     /// Print every note; without it one of each kind, and ten lines at most
     #[arg(long)]
     pub verbose: bool,
-    /// Print a map of the data's columns to start from, and do nothing else
-    #[arg(long, requires = "data")]
-    pub columns_draft: bool,
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// Fit the zeros of joints and no axis: names, or all where none is given
+    /// Fit zeros of joints and no axis: names, or all if none is given
     #[arg(long, value_name = "JOINTS", num_args = 0..=1, default_missing_value = "all", value_delimiter = ',',
-        conflicts_with_all = ["effects", "pitches"])]
+        conflicts_with_all = ["effects", "pitches"], help_heading = FIT)]
     pub zeros: Vec<String>,
-    /// With --zeros: write the offsets as csv, ros2-control, lerobot, dynamixel, xacro, robot-calibration or urdf; see
-    /// docs/without-an-instrument.md
-    #[arg(long, value_names = ["FORM", "FILE"], num_args = 2, requires = "zeros")]
-    pub offsets_out: Vec<String>,
-    /// Continue from an earlier calibration of this robot, as --json wrote it: what it knows of the axes, instead of the
-    /// drawing's tolerances, and (but with --effects none) its effects and error curves; a few new poses then bring a robot
-    /// up to date
-    #[arg(long, value_name = "FILE")]
+    /// Earlier calibration of this robot, as --json wrote it, to update with a few new poses: its axes, and its effects and
+    /// error curves unless --effects none
+    #[arg(long, value_name = "FILE", help_heading = FIT)]
     pub prior: Option<String>,
-    /// Effects to look for beside the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
+    /// Effects to search beside the geometry: none, curves (error curves of the joints alone), auto, or kinds such as
     /// backlash,joint_compliance
-    #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',')]
+    #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',', help_heading = FIT)]
     pub effects: Vec<String>,
-    /// No more effects than this
-    #[arg(long, value_name = "N", default_value_t = 8)]
+    /// Number of effects at most
+    #[arg(long, value_name = "N", default_value_t = 8, help_heading = FIT)]
     pub max_effects: usize,
     /// Motor turns per joint turn: NAME=RATIO
-    #[arg(long, value_name = "RATIO", value_delimiter = ',')]
+    #[arg(long, value_name = "RATIO", value_delimiter = ',', help_heading = FIT)]
     pub gear_ratio: Vec<String>,
     /// JSON.
     #[command(flatten)]
     pub json: JsonArguments,
-    /// Write the result as a page with plots
-    #[arg(long, value_name = "FILE")]
+    /// Write the report as a page with plots
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
     pub html: Option<PathBuf>,
     /// Write the calibrated URDF
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
     pub urdf: Option<PathBuf>,
     /// Write the calibrated D-H table; the extension chooses the format (csv, json, md, tex, txt; yaml: the kinematics
     /// file of a UR arm; -: text)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
     pub dh: Option<PathBuf>,
-    /// Write nominal, actual and delta of every D-H number with its standard deviation: a .csv, or a table in .md (-: on standard
-    /// output); the branch is the nominal table's
-    #[arg(long, value_name = "FILE")]
-    pub deltas: Option<PathBuf>,
-    /// --deltas: the maker's table of the arm as drawn, whose convention, zeros and frames count [default: the drawing's own]
-    #[arg(long, value_name = "FILE", requires = "deltas")]
-    pub nominal: Option<String>,
-    /// Write what a maker's controller or ROS package takes: ur, ur-conf, xarm, franka, pal, robot-calibration; see
-    /// docs/makers.md
-    #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2)]
-    pub out_for: Vec<String>,
-    /// Write the residuals of every row as CSV: fitted, rejected and held-out rows
-    #[arg(long, value_name = "FILE")]
-    pub residuals: Option<PathBuf>,
-    /// Write the effects as JSON, for fk, compensate and simulate
-    #[arg(long, value_name = "FILE")]
+    /// Write effects and error curves as JSON, for fk, compensate and simulate
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
     pub effects_out: Option<PathBuf>,
+    /// Write the residuals of every row as CSV: fitted, rejected and held-out rows
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
+    pub residuals: Option<PathBuf>,
+    /// Write the file of a maker's controller or ROS package: ur, ur-conf, xarm, franka, pal, robot-calibration; see
+    /// docs/makers.md
+    #[arg(long, value_names = ["MAKER", "FILE"], num_args = 2, help_heading = WRITTEN)]
+    pub out_for: Vec<String>,
+    /// Write nominal, actual and delta of every D-H number with its standard deviation, as .csv or .md (-: on standard
+    /// output)
+    #[arg(long, value_name = "FILE", help_heading = WRITTEN)]
+    pub deltas: Option<PathBuf>,
+    /// With --deltas: the maker's table of the drawn arm; the deltas have its convention, zeros and frames [default: the
+    /// drawing's own]
+    #[arg(long, value_name = "FILE", requires = "deltas", help_heading = WRITTEN)]
+    pub nominal: Option<String>,
+    /// With --zeros: write the offsets as csv, ros2-control, lerobot, dynamixel, xacro, robot-calibration or urdf; see
+    /// docs/without-an-instrument.md
+    #[arg(long, value_names = ["FORM", "FILE"], num_args = 2, requires = "zeros", help_heading = WRITTEN)]
+    pub offsets_out: Vec<String>,
+    /// Which robot.
+    #[command(flatten)]
+    pub robot: RobotArguments<SeveralTips>,
 }
 
 /// What the columns of an instrument's export are, where their names do not say so; see docs/measurements.md.
 #[derive(Debug, Args)]
 pub struct ImportArguments {
     /// Which column of the data is what: a TOML file, or x=X1,y=Y1,z=Z1 for a few
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", help_heading = COLUMNS)]
     pub columns: Option<String>,
-    /// Columns of angles (roll,pitch,yaw; rx,ry,rz; A,B,C; W,P,R) are turns in this order: XYZ about the axes as they turn
-    /// along (intrinsic), xyz about fixed axes (extrinsic)
-    #[arg(long, value_name = "ORDER", conflicts_with_all = ["quaternion", "rotation_vector"])]
+    /// Order of the turns of angle columns (roll,pitch,yaw; rx,ry,rz; A,B,C; W,P,R): XYZ about moving axes (intrinsic), xyz
+    /// about fixed axes (extrinsic)
+    #[arg(long, value_name = "ORDER", conflicts_with_all = ["quaternion", "rotation_vector"], help_heading = COLUMNS)]
     pub euler: Option<String>,
-    /// Columns q1,q2,q3,q4 (or q0,q1,q2,q3) are a quaternion in this order, such as wxyz
-    #[arg(long, value_name = "ORDER", conflicts_with = "rotation_vector")]
+    /// Order of a quaternion's columns q1,q2,q3,q4 (or q0,q1,q2,q3), such as wxyz
+    #[arg(long, value_name = "ORDER", conflicts_with = "rotation_vector", help_heading = COLUMNS)]
     pub quaternion: Option<String>,
     /// Columns rx,ry,rz are a rotation vector: axis times angle
-    #[arg(long)]
+    #[arg(long, help_heading = COLUMNS)]
     pub rotation_vector: bool,
     /// Joint values of the data's rows, from a robot program: ABB RAPID jointtarget, KUKA KRL AXIS, UR script movej
-    #[arg(long, value_name = "PROGRAM")]
+    #[arg(long, value_name = "PROGRAM", help_heading = COLUMNS)]
     pub joints: Option<String>,
-    /// A column hole names what each row touches on a plate of denavit plate: holes of a row, rows, and their distance
-    #[arg(long, value_name = "4x3:40mm")]
+    /// The printed plate whose holes a column hole names: holes of a row, rows, and their distance
+    #[arg(long, value_name = "4x3:40mm", help_heading = COLUMNS)]
     pub plate: Option<String>,
 }
 
 /// The camera whose pixels are in the data; see docs/camera.md.
 #[derive(Debug, Args)]
 pub struct CameraArguments {
-    /// Intrinsics of the camera whose pixels are in the data: YAML as ROS (camera_info) or OpenCV write it
-    #[arg(long, value_name = "FILE")]
+    /// Intrinsics of the camera: YAML as ROS (camera_info) or OpenCV write it
+    #[arg(long, value_name = "FILE", help_heading = CAMERA)]
     pub camera: Option<String>,
-    /// The camera sits on the hand and sees a board that stands still, not the other way round
-    #[arg(long, requires = "camera")]
+    /// The camera is on the hand and the board stands still, not the reverse
+    #[arg(long, requires = "camera", help_heading = CAMERA)]
     pub on_hand: bool,
-    /// The board that the camera sees: squares across and down, and the edge of a square
-    #[arg(long, value_name = "7x5:30mm", requires = "camera")]
+    /// The board: squares across and down, and the edge of a square
+    #[arg(long, value_name = "7x5:30mm", requires = "camera", help_heading = CAMERA)]
     pub board: Option<String>,
 }
 
 /// What to take out of a ROS 2 bag; see docs/bags.md.
 #[derive(Debug, Args)]
 pub struct BagArguments {
-    /// Topic of a bag's joint readings, where several name the robot's joints
-    #[arg(long, value_name = "TOPIC", requires = "data")]
+    /// Topic of the joint readings, if several name the robot's joints
+    #[arg(long, value_name = "TOPIC", requires = "data", help_heading = BAG)]
     pub joint_topic: Option<String>,
-    /// Topic of a bag's target, where several may be meant; /tf:PARENT/CHILD is a transform among others
-    #[arg(long, value_name = "TOPIC", requires = "data")]
+    /// Topic of the target, if there are several; /tf:PARENT/CHILD is a transform
+    #[arg(long, value_name = "TOPIC", requires = "data", help_heading = BAG)]
     pub target_topic: Option<String>,
 }
 
@@ -213,22 +222,22 @@ impl ImportArguments {
 /// What is fitted beside the axes.
 #[derive(Debug, Args)]
 pub struct FreedomArguments {
-    /// Joints whose scale is fitted, too (the paper's normalisation factor): names, or all
-    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    /// Joints whose scale is fitted too (the paper's normalisation factor): names, or all
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',', help_heading = FIT)]
     pub scales: Vec<String>,
-    /// Revolute joints whose pitch is fitted, too (the paper's h): names, or all
-    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    /// Revolute joints whose pitch is fitted too (the paper's h): names, or all
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',', help_heading = FIT)]
     pub pitches: Vec<String>,
 }
 
 const IDENTIFY_EXAMPLES: &str = "\
-Prints the count 5h + 4r + 2t + n + 6 of Wu, Crawford and Roberts (h screws, r revolute joints, t slides, n scales) \
-for poses, positions and distances, and beside it the rank of the identification Jacobian; names what is not identifiable and \
+Prints the number of parameters, 5h + 4r + 2t + n + 6 (Wu, Crawford and Roberts: h screws, r revolute joints, t slides, n \
+scales), for poses, positions and distances, and the rank of the identification Jacobian; names what is not identifiable and \
 why; then the same for the D-H form.
 
 Examples:
-  denavit identify arm.urdf                     what any measurement could tell
-  denavit identify arm.urdf --data poses.csv    what measuring at these joint values can tell
+  denavit identify arm.urdf                     with any measurement
+  denavit identify arm.urdf --data poses.csv    measured at these joint values
   denavit identify arm.urdf --scales all --json";
 
 /// Arguments of `denavit identify`.
@@ -263,20 +272,19 @@ pub struct IdentifyArguments {
 }
 
 const MEASURE_EXAMPLES: &str = "\
-After each row: how far it is from what the rows before it predict, and how far was to be expected; what would explain a row \
-that is out of line (another reflector, a moved base, a joint that stands elsewhere than it reads); which parameters are known \
-worst; which pose would help most next. On a terminal what is known stays at the foot; elsewhere each row is a line. Nothing \
-is known of obstacles: look at a pose before the robot takes it.
+Prints for each row its distance from the prediction of the rows before it, and the expected distance; likely causes of a row \
+out of line (another reflector, a moved base, a wrong joint reading); the least known parameters; the next pose to measure. \
+Check that pose for obstacles before the robot takes it.
 
-With --watch the file may grow, be replaced, or not be there yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 rows \
+With --watch the file may grow, be replaced, or not exist yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 rows \
 are out of line, 2 error.
 
 Examples:
   denavit measure arm.urdf --data run.csv --watch
-  denavit measure arm.urdf --data run.csv --watch --units mm,deg --candidates safe_poses.csv
-  denavit measure arm.urdf --data run.csv --watch --prior march.json   a robot that was calibrated before
-  some-tool | denavit measure arm.urdf --data - --json        a line of JSON per row
-  denavit measure arm.urdf --data run.csv                     a file that is whole";
+  denavit measure arm.urdf --data run.csv --watch --candidates safe_poses.csv
+  denavit measure arm.urdf --data run.csv --watch --prior march.json
+  some-tool | denavit measure arm.urdf --data - --json   a JSON line per row
+  denavit measure arm.urdf --data run.csv                a finished file";
 
 /// Arguments of `denavit measure`.
 #[derive(Debug, Args)]
@@ -288,11 +296,11 @@ pub struct MeasureArguments {
     /// Measurements, or - for standard input, which is read as it comes
     #[arg(long = "data", value_name = "FILE")]
     pub file: String,
-    /// Continue when the file has been read: take what is appended to it, until Ctrl-C
+    /// Wait for rows that are appended to the file, until Ctrl-C
     #[arg(long)]
     pub watch: bool,
-    /// Touch the holes of --plate one after another: at each Enter the last joint values of this file (CSV, or a topic's dump
-    /// that grows) are appended to --data
+    /// Touch the holes of --plate one after another: at each Enter the last joint values of this file (CSV, or a topic's
+    /// growing dump) are appended to --data
     #[arg(long, value_name = "FILE", requires = "plate", conflicts_with_all = ["watch", "json"])]
     pub touch: Option<String>,
     /// Units of the data, of the candidates and of the pose to measure next: lengths m, mm, um or in; angles rad, mrad or deg
@@ -307,13 +315,13 @@ pub struct MeasureArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// What an earlier calibration knows of the axes, as denavit calibrate --json wrote it: rows are judged from the first few on
+    /// Earlier calibration, as denavit calibrate --json wrote it: checks then begin after a few rows
     #[arg(long, value_name = "FILE")]
     pub prior: Option<String>,
     /// CSV of joint values from which the next pose is chosen [default: spread over the joint limits]
     #[arg(long, value_name = "FILE")]
     pub candidates: Option<String>,
-    /// How many to spread over the joint limits
+    /// Number of candidates to spread over the joint limits
     #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "candidates",
         value_parser = clap::value_parser!(u16).range(1..))]
     pub spread: u16,
@@ -351,19 +359,19 @@ pub struct PlateArguments {
 }
 
 const PLAN_EXAMPLES: &str = "\
-Chooses, among candidates within the joint limits, the poses that make the determinant of the information largest \
-(D-optimal), and prints the observability indices O1 to O5 beside those of random poses. Nothing is known of obstacles: \
-look at the poses before the robot takes them.
+Chooses, among candidates within the joint limits, the poses with the largest determinant of the information \
+(D-optimal), and prints the observability indices O1 to O5 beside those of random poses: larger is better. Check the poses \
+for obstacles before the robot takes them.
 
 Examples:
   denavit plan arm.urdf --count 40 -o poses.csv
   denavit plan arm.urdf --count 40 --measure distances --box 0.2,1,-0.5,0.5,0,1
   denavit plan arm.urdf --count 25 --candidates safe_poses.csv --json
-  denavit plan arm.urdf --tell-apart run.csv -o poses.csv       poses that distinguish its possible causes
+  denavit plan arm.urdf --tell-apart run.csv -o poses.csv
 
-With --tell-apart the run is calibrated as denavit calibrate does it. Where it leaves several causes possible, poses are chosen \
-that tell them apart, and the odds that are to be expected are printed; where nothing is open, poses that make the prediction \
-surest. Measure the poses in the order in which they are written, and append them to the run. See docs/effects.md.";
+With --tell-apart the run is calibrated first. If several causes are possible, the poses distinguish them, and the expected \
+odds are printed; otherwise the poses reduce the error of the prediction. Measure them in the order of the file, and append \
+the rows to the run. See docs/effects.md.";
 
 /// Arguments of `denavit plan`.
 #[derive(Debug, Args)]
@@ -375,8 +383,8 @@ pub struct PlanArguments {
     /// Poses to choose [default with --tell-apart: 20]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), required_unless_present = "tell_apart")]
     pub count: Option<u16>,
-    /// The rows of a run, or - for standard input: poses that distinguish its possible causes, measured as its last row
-    /// was; several files are several setups
+    /// Choose poses that distinguish the possible causes of this run (- for standard input), measured as its last row was;
+    /// several files are several setups
     #[arg(long, value_name = "FILE", conflicts_with_all = ["measure", "target", "anchor"])]
     pub tell_apart: Vec<String>,
     /// What the columns of the run are.
@@ -388,23 +396,23 @@ pub struct PlanArguments {
     /// CSV of joint values to choose from [default: spread over the joint limits]
     #[arg(long, value_name = "FILE")]
     pub candidates: Option<String>,
-    /// How many to spread over the joint limits
+    /// Number of candidates to spread over the joint limits
     #[arg(long, value_name = "N", default_value_t = 1000, conflicts_with = "candidates",
         value_parser = clap::value_parser!(u16).range(1..))]
     pub spread: u16,
     /// Units of the run, of the candidates and of the chosen poses: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
-    /// What an earlier calibration knows of the axes, as denavit calibrate --json wrote it: poses that add to that
+    /// Earlier calibration, as denavit calibrate --json wrote it: choose poses that add to it
     #[arg(long, value_name = "FILE")]
     pub prior: Option<String>,
     /// Box in which the target must stay, base frame, m
     #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", value_delimiter = ',', allow_hyphen_values = true)]
     pub r#box: Vec<f64>,
-    /// Where the target sits on the tip, m
+    /// Position of the target on the tip, m
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, default_value = "0.1,0,0.1")]
     pub target: Vec<f64>,
-    /// Where the anchor of a distance instrument stands, base frame, m [default: the arm's size away]
+    /// Position of the anchor of a distance instrument, base frame, m [default: the arm's size away]
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true)]
     pub anchor: Vec<f64>,
     /// Seed of the spread candidates and of the random poses that the plan is compared with
@@ -469,13 +477,13 @@ pub struct SimulateArguments {
         default_value = "0.05,0.05"
     )]
     pub noise: Vec<f64>,
-    /// Noise along the instrument's line of sight beside that, standard deviation, mm
+    /// Additional noise along the instrument's line of sight, standard deviation, mm
     #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = numbers::tolerance)]
     pub range_noise: f64,
-    /// Noise of the direction in which the instrument sees the target beside that, standard deviation, mrad
+    /// Additional noise of the direction from instrument to target, standard deviation, mrad
     #[arg(long, value_name = "MRAD", default_value_t = 0.0, value_parser = numbers::tolerance)]
     pub angle_noise: f64,
-    /// How well a joint comes back to its reading, standard deviation: mrad, and mm for slides; without a joint all of them
+    /// Repeatability of a joint, standard deviation: mrad, and mm for slides; without a joint all of them
     #[arg(long, value_name = "[JOINT=]SIZE")]
     pub repeatability: Vec<String>,
     /// A camera measures, at random joint values in which it sees its board.
@@ -496,30 +504,29 @@ pub struct SimulateArguments {
     /// What is recorded beside the measurements: time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.temperature …
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<String>,
-    /// Write rows for a test, too: the same robot, measured after the others
+    /// Write test rows, too: the same robot, measured after the others
     #[arg(long, value_name = "FILE")]
     pub test: Option<PathBuf>,
-    /// Rows of the test
+    /// Number of test rows
     #[arg(long, value_name = "N", default_value_t = 40, requires = "test",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub test_rows: u32,
-    /// Write what the files were made of, as JSON
+    /// Write the simulated robot, as JSON
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
 }
 
 const COMPENSATE_EXAMPLES: &str = "\
-ROBOT is the robot as it is: the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and \
-qx,qy,qz,qw or roll,pitch,yaw, or other angles as --euler and --rotation-vector say; or joint values, which stand for the pose that the nominal robot has there; with both, the \
-joint values are where the search starts. Other columns (payload, temperature, …) are what effects may follow; sides of \
-approach are those of the row order unless given. The commands keep their poses' order. Rows that are out of reach or \
-outside of the limits are named, and the exit code is then 1. Fewer than six joints cannot correct every direction: place \
-goes first, and --allowed-miss says what direction may be off.
+ROBOT is the calibrated URDF. Poses are CSV: the tip in the base frame as x,y,z (m) and qx,qy,qz,qw or roll,pitch,yaw, or \
+other angles as --euler and --rotation-vector state; or joint values, which mean the pose of the nominal robot there; with \
+both, the search starts at the joint values. Effects may follow other columns (payload, temperature, …); approach sides follow \
+from the row order unless given. Rows out of reach or limits are named, and the exit code is then 1. Fewer than six joints \
+cannot correct every direction: position is corrected first, and --allowed-miss states the allowed error of direction.
 
 Examples:
-  denavit compensate as_it_is.urdf --from arm.urdf --poses poses.csv -o commands.csv
-  denavit compensate as_it_is.urdf --effects effects.json --poses poses.csv --json
-  denavit compensate as_it_is.urdf --poses ur.csv --rotation-vector   # x,y,z,rx,ry,rz of a UR";
+  denavit compensate calibrated.urdf --from arm.urdf --poses poses.csv -o commands.csv
+  denavit compensate calibrated.urdf --effects effects.json --poses poses.csv --json
+  denavit compensate calibrated.urdf --poses ur.csv --rotation-vector   # x,y,z,rx,ry,rz of a UR";
 
 /// Arguments of `denavit compensate`.
 #[derive(Debug, Args)]
@@ -537,16 +544,16 @@ pub struct CompensateArguments {
     /// What the columns of the poses are.
     #[command(flatten)]
     pub import: ImportArguments,
-    /// The robot as drawn, that the controller believes in [default: the one kept in the file of effects, else ROBOT]
+    /// The robot as drawn, which the controller uses [default: that in the file of effects, else ROBOT]
     #[arg(long, value_name = "ROBOT")]
     pub from: Option<String>,
-    /// Effects that act on the robot: what `denavit calibrate --effects-out` wrote
+    /// File of effects, as `denavit calibrate --effects-out` wrote it
     #[arg(long, value_name = "FILE")]
     pub effects: Option<String>,
     /// What the effects follow.
     #[command(flatten)]
     pub given: GivenArguments,
-    /// How far a command may miss its pose and still count as reaching it: mm and mrad
+    /// Error up to which a command counts as reaching its pose: mm and mrad
     #[arg(
         long,
         value_name = "MM,MRAD",

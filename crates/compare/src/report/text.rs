@@ -84,7 +84,7 @@ fn of_robots(out: &mut String, robots: &Robots, paint: &dyn Fn(&str, &str) -> St
     let _ = writeln!(out, "{} → {}: {}", robots.before, robots.after, robots.counts());
 }
 
-/// `214 understood, 3 carried along unchanged (2 <gazebo>, 1 <transmission>), 1 not understood`.
+/// `214 understood, 3 kept unchanged (2 <gazebo>, 1 <transmission>), 1 not understood`.
 fn account(inventory: &Inventory) -> String {
     let mut kinds: Vec<(&str, usize)> = Vec::new();
     for item in inventory.items.iter().filter(|item| item.outcome == Outcome::Carried) {
@@ -96,7 +96,7 @@ fn account(inventory: &Inventory) -> String {
     let mut out = format!("{} understood", inventory.understood);
     if !kinds.is_empty() {
         let listed: Vec<String> = kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        let _ = write!(out, ", {} carried along unchanged ({})", inventory.count(Outcome::Carried), listed.join(", "));
+        let _ = write!(out, ", {} kept unchanged ({})", inventory.count(Outcome::Carried), listed.join(", "));
     }
     let _ = write!(out, ", {} not understood", inventory.count(Outcome::Reported));
     out
