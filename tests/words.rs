@@ -57,7 +57,29 @@ const BANNED: &[(&str, &str)] = &[
 ];
 
 /// Identifiers that say nothing to a reader who does not know the code.
-const BANNED_NAMES: &[&str] = &["mend", "mends", "trouble", "wish", "granted", "departure"];
+const BANNED_NAMES: &[&str] = &[
+    "able",
+    "climb",
+    "dealt",
+    "departure",
+    "granted",
+    "leftover",
+    "leftovers",
+    "mend",
+    "mends",
+    "portrait",
+    "portraits",
+    "settle",
+    "settled",
+    "trouble",
+    "wish",
+];
+
+/// Types that are called by what happens to them: these words are names of values alone.
+const BANNED_TYPES: &[&str] = &["Asked", "Ground", "Held", "Taken", "Way"];
+
+/// Functions whose name says nothing without what follows.
+const BANNED_FUNCTIONS: &[&str] = &["look", "made", "without"];
 
 /// Comments in these rooms are not read yet; their messages are.
 const COMMENTS_LATER: &[&str] =
@@ -195,12 +217,17 @@ fn what_people_read_is_in_plain_words() {
             let lines = lines.map(|line| line.trim_start().trim_start_matches(['#', '*', '/']));
             vec![(Kind::Text, 1, lines.collect::<Vec<_>>().join("\n"))]
         };
+        let mut after_fn = false;
         for (kind, line, part) in parts {
             if kind == Kind::Comment && !comments_count {
                 continue;
             }
             if kind == Kind::Name {
-                if BANNED_NAMES.contains(&&*part.to_lowercase()) {
+                let is_function = std::mem::replace(&mut after_fn, part == "fn");
+                if BANNED_NAMES.contains(&&*part.to_lowercase())
+                    || BANNED_TYPES.contains(&&*part)
+                    || (is_function && BANNED_FUNCTIONS.contains(&&*part))
+                {
                     wrong.push(format!("{name}:{line}: the identifier {part}; write one that says what it is"));
                 }
                 continue;

@@ -42,12 +42,12 @@ from denavit.results import (
     Curve,
     Effect,
     Errors,
-    Leftover,
     Parameter,
     Place,
     Prediction,
     Residuals,
     Rival,
+    Unexplained,
 )
 from denavit.robot import ChainListing, Robot, load
 from denavit.run import Plan, Simulation
@@ -82,7 +82,6 @@ __all__ = [
     "Fit",
     "HandEye",
     "JointDifference",
-    "Leftover",
     "ManifestError",
     "Match",
     "Measurements",
@@ -104,6 +103,7 @@ __all__ = [
     "Table",
     "TipDifference",
     "Told",
+    "Unexplained",
     "View",
     "calibrate",
     "check",

@@ -22,7 +22,7 @@ from denavit.commands import Commands, compensate, pairs
 from denavit.errors import ArgumentError, ExportError
 from denavit.measurements import Measurements, is_several, measurements
 from denavit.records import Records
-from denavit.results import Curve, Effect, Errors, Leftover, Parameter, Prediction, Residuals, effects_of
+from denavit.results import Curve, Effect, Errors, Parameter, Prediction, Residuals, Unexplained, effects_of
 from denavit.robot import Robot, load
 
 if TYPE_CHECKING:
@@ -145,9 +145,9 @@ class Fit(Shown, Frozen):
         return {c.name: Curve._of(c, entries.get(c.name), self._chain, self._found.effects) for c in coordinates}
 
     @property
-    def leftover(self) -> Leftover:
+    def unexplained(self) -> Unexplained:
         """What no effect explains."""
-        return Leftover._of(self._json["unexplained"])
+        return Unexplained._of(self._json["unexplained"])
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -236,7 +236,7 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Leftover:
+class Unexplained:
     """What no effect explains.
 
     Attributes:
@@ -250,7 +250,7 @@ class Leftover:
     places: tuple[Place, ...]
 
     @classmethod
-    def _of(cls, entry: dict[str, Any]) -> Leftover:
+    def _of(cls, entry: dict[str, Any]) -> Unexplained:
         def places(entries: Iterable[dict[str, Any]]) -> Iterable[Place]:
             return (Place(place.get("joint") or place.get("covariate") or "run order", place["share"]) for place in entries)
 

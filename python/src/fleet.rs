@@ -5,7 +5,7 @@
 use crate::errors::{Class, Spot, argument, broken, error, load};
 use crate::interruptible::{Tell, interruptible};
 use denavit_fleet::manifest::{self, Entry};
-use denavit_fleet::store::{Held, Store};
+use denavit_fleet::store::{LockedStore, Store};
 use denavit_fleet::{Computed, FleetError, Job, Ledger, Outcome, RunOptions, RunReport};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -28,7 +28,7 @@ fn fleet(failure: &FleetError) -> PyErr {
     }
 }
 
-fn opened(manifest: &str, set: &[(String, String)], store: &Path) -> Result<(Vec<Entry>, Held), FleetError> {
+fn opened(manifest: &str, set: &[(String, String)], store: &Path) -> Result<(Vec<Entry>, LockedStore), FleetError> {
     let entries = manifest::read(manifest, set)?;
     Ok((entries, Store::hold(store)?))
 }

@@ -100,7 +100,7 @@ pub fn bag_rows(
     target_topic: Option<String>,
 ) -> PyResult<(String, Vec<String>)> {
     let joints = chain.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
-    let asked = denavit_bag::Asked { joints, joint_topic, target_topic };
+    let asked = denavit_bag::BagOptions { joints, joint_topic, target_topic };
     let rows = py.detach(|| denavit_bag::rows(bag, &asked));
     let rows = rows.map_err(|failure| error(Class::Data, &failure.to_string(), Spot::file(bag)))?;
     Ok((rows.csv, rows.notes.iter().map(said).collect()))

@@ -116,7 +116,7 @@ def test_effects_say_what_where_and_how_sure(traced: dn.Fit) -> None:
     assert effect.probability is None or effect.probability > 0.9
     assert all(isinstance(rival, dn.Rival) for rival in effect.rivals)
     assert traced.residuals_of("geometric").distance.mean() > traced.residuals.distance.mean()
-    assert not traced.leftover.structured
+    assert not traced.unexplained.structured
 
 
 def test_residuals_are_those_of_the_errors(geometric: dn.Fit) -> None:
@@ -169,7 +169,7 @@ def test_a_fit_is_a_value(geometric: dn.Fit) -> None:
         again.seed = 1  # type: ignore[attr-defined]
     with pytest.raises(TypeError, match=r"denavit\.calibrate"):
         dn.Fit()
-    values = (tracker(), geometric.errors, geometric.parameters, geometric.leftover, geometric.residuals, geometric.curves)
+    values = (tracker(), geometric.errors, geometric.parameters, geometric.unexplained, geometric.residuals, geometric.curves)
     for value in values:
         assert pickle.loads(pickle.dumps(value)) == value
 

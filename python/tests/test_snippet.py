@@ -28,7 +28,7 @@ m = dn.Measurements.read("run.csv", units="mm,deg"); m2 = dn.Measurements.from_p
 fit = dn.calibrate(chain, m, hold_out=0.3)      # progress in a notebook, Ctrl-C works
 fit.errors; fit.parameters.to_pandas(); fit.residuals
 for f in fit.effects: print(f.kind, f.at, f.value, f.sd, f.probability, f.rivals)
-fit.curves["elbow_joint"](q); fit.leftover; fit.robot.save("calibrated.urdf")
+fit.curves["elbow_joint"](q); fit.unexplained; fit.robot.save("calibrated.urdf")
 fit.predict(later); fit.compensate(poses); chain.plan(40); chain.simulate()
 fit.plot.effects(); fit.plot.residuals(); fit.report("fit.html")
 """

@@ -118,6 +118,6 @@ fn a_fit_that_did_not_settle_is_no_result() {
     };
     assert!(run(60).is_ok());
     let error = run(1).unwrap_err();
-    assert!(matches!(error, CalibrateError::NotSettled { iterations: 1, .. }), "{error}");
+    assert!(matches!(error, CalibrateError::NotConverged { iterations: 1, .. }), "{error}");
     assert!(error.to_string().contains("did not converge in 1 steps, so there is no result: "), "{error}");
 }

@@ -22,7 +22,7 @@ pub use storage::{files, is_bag};
 
 /// What to take out of a bag.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Asked {
+pub struct BagOptions {
     /// The robot's joints, as `JointState` names them.
     pub joints: Vec<String>,
     /// The topic of the joint readings, where several have these joints.

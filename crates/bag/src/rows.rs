@@ -1,6 +1,6 @@
 //! A row for each standstill, as the CSV of a measurement file.
 
-use crate::Asked;
+use crate::BagOptions;
 use crate::clock::{Clocks, clocks, median, period};
 use crate::error::BagError;
 use crate::standstill::{LEAST, standstills};
@@ -41,7 +41,7 @@ struct Row {
 ///
 /// # Errors
 /// A bag that cannot be read, that does not say which topics are meant, or in which nothing stands still.
-pub fn rows(bag: &str, asked: &Asked) -> Result<Rows, BagError> {
+pub fn rows(bag: &str, asked: &BagOptions) -> Result<Rows, BagError> {
     let (joints, target) = tracks(bag, asked)?;
     let unrelated = |correlation: String| BagError::Unrelated {
         file: bag.into(),
@@ -136,7 +136,7 @@ fn turn(values: &[Vec<f64>]) -> Vec<f64> {
     if (length - 1.0).abs() < 1e-15 { mean } else { mean.iter().map(|part| part / length).collect() }
 }
 
-fn csv(rows: &[&Row], asked: &Asked) -> String {
+fn csv(rows: &[&Row], asked: &BagOptions) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let turned = rows[0].target.len() == 7;
     // Standard deviations weigh rows against each other: without any they say nothing.
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn no_row_is_surer_than_its_readings_can_say() {
-        let asked = Asked { joints: vec!["a".into()], ..Asked::default() };
+        let asked = BagOptions { joints: vec!["a".into()], ..BagOptions::default() };
         let stds = |spreads: &[f64]| -> Vec<String> {
             let row = |spread: &f64| Row {
                 time: 0.0,

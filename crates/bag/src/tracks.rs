@@ -1,6 +1,6 @@
 //! What the topics of a bag say: the joints' readings and the places of a target, each by its own clock and the recorder's.
 
-use crate::Asked;
+use crate::BagOptions;
 use crate::clock::median;
 use crate::error::BagError;
 use crate::messages::{JointState, Places, joint_state, placed, places, plain};
@@ -91,7 +91,7 @@ struct Found {
 ///
 /// # Errors
 /// A bag that cannot be read, or that does not say which topics are meant.
-pub(crate) fn tracks(bag: &str, asked: &Asked) -> Result<(Track, Track), BagError> {
+pub(crate) fn tracks(bag: &str, asked: &BagOptions) -> Result<(Track, Track), BagError> {
     let mut found = Found::default();
     messages(bag, &mut |message| {
         let known = found.topics.entry(message.topic.into()).or_insert_with(|| message.kind.into());
@@ -127,7 +127,7 @@ pub(crate) fn tracks(bag: &str, asked: &Asked) -> Result<(Track, Track), BagErro
 }
 
 impl Found {
-    fn take_joints(&mut self, topic: &str, logged: f64, state: &JointState, asked: &Asked) {
+    fn take_joints(&mut self, topic: &str, logged: f64, state: &JointState, asked: &BagOptions) {
         let value = |joint: &String| {
             let at = state.names.iter().position(|name| name == joint)?;
             state.positions.get(at).copied()
@@ -144,7 +144,7 @@ impl Found {
         }
     }
 
-    fn joints_of(&mut self, file: &str, asked: &Asked) -> Result<Track, BagError> {
+    fn joints_of(&mut self, file: &str, asked: &BagOptions) -> Result<Track, BagError> {
         if self.joints.is_empty() {
             let said = self.others.iter().map(|(topic, names)| format!("{topic} has {}", names.join(", ")));
             let found = said.collect::<Vec<_>>().join("; ");
@@ -154,7 +154,7 @@ impl Found {
         chosen(file, &mut self.joints, asked.joint_topic.as_deref(), "the joints' readings", JOINT_TOPIC)
     }
 
-    fn target_of(&mut self, file: &str, asked: &Asked) -> Result<Track, BagError> {
+    fn target_of(&mut self, file: &str, asked: &BagOptions) -> Result<Track, BagError> {
         if self.targets.is_empty() {
             return Err(BagError::NoTarget { file: file.into(), found: listed(self.topics.keys()) });
         }

@@ -30,9 +30,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// Effects that act and are not fitted.
 #[derive(Clone)]
-struct Held(EffectModel);
+struct FixedEffects(EffectModel);
 
-impl Effects for Held {
+impl Effects for FixedEffects {
     type Standing = <EffectModel as Effects>::Standing;
 
     fn standing(&self, arm: &Arm) -> Self::Standing {
@@ -248,7 +248,7 @@ fn predicted(
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
     let start = Arm { joints: found.arm().joints.clone(), ..guess };
     let weights = vec![1.0; placing.observations()];
-    let model = Held(found.effects(statics));
+    let model = FixedEffects(found.effects(statics));
     let [of_placing, of_judged] =
         [placing, judged].map(|rows| model.bound_to(rows).unwrap_or_else(|error| panic!("{error}")));
     let model = model.0;

@@ -51,7 +51,7 @@ fn main() {
         for seed in 0..if all { 1 } else { draws } {
             let (some, others) = drawn(data.len(), count, seed);
             let fit = identify(&real.chain, &data.subset(&some), &options).geometric;
-            if !fit.settled() {
+            if !fit.converged_or_exact() {
                 open += 1;
                 println!("  seed {seed}: {:?}", fit.unfinished);
             }

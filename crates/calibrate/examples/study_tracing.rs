@@ -167,7 +167,7 @@ fn main() {
             let outside = claims.iter().filter(|(_, p)| !places.contains(p)).count();
             let elsewhere = |f: &&Finding| f.named && !places.contains(&f.place);
             let named_outside = result.findings.iter().filter(elsewhere).count();
-            let first = result.leftover.places.first().and_then(|p| p.joint.clone().or(p.covariate.clone()));
+            let first = result.unexplained.places.first().and_then(|p| p.joint.clone().or(p.covariate.clone()));
             let named = first.is_some_and(|f| places.contains(&f))
                 || claims.iter().any(|(k, p)| k == "drift" && places.contains(p));
             let what = text(&effects[0]["shape"]["what"]);
@@ -224,9 +224,9 @@ fn main() {
         println!(
             "   test rms geometry {before:.4} -> {after:.4} mm (attainable {attainable:.4}); noise {:.4} mm; left p {:.1e} {:?}; rejected {}",
             result.fit.noise.first() * 1e3,
-            result.leftover.p_value,
+            result.unexplained.p_value,
             result
-                .leftover
+                .unexplained
                 .places
                 .iter()
                 .map(|p| (p.joint.clone().or(p.covariate.clone()).unwrap(), (p.share * 100.0).round()))

@@ -21,8 +21,8 @@ use self::diagnosis::{Corrected, Diagnosis};
 use self::placed_anew::PlacedAnew;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{
-    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, Held, Identified, Origin, ReadAs, Rival,
-    SCHEMA, Samples, Unexplained, Unidentifiable,
+    CalibrationReport, Continued, Counts, CurveEntry, EffectEntry, FieldEntry, HeldBy, Identified, Origin, ReadAs,
+    Rival, SCHEMA, Samples, Unexplained, Unidentifiable,
 };
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::calibration::expected::Expected;
@@ -141,7 +141,7 @@ pub enum CalibrateError {
         "{file}: the fit of the geometry did not converge in {iterations} steps, so there is no result: {}",
         why_unfinished(unfinished.as_ref(), file)
     )]
-    NotSettled {
+    NotConverged {
         /// The file.
         file: String,
         /// Steps taken.
@@ -336,9 +336,9 @@ pub fn calibrate_and_tell(
         diagnosis::explains_something(chain, &train, &of_spread)?;
     }
     let geometric = &identification.geometric;
-    if !geometric.settled() {
+    if !geometric.converged_or_exact() {
         let (iterations, unfinished) = (geometric.iterations, geometric.unfinished.clone());
-        return Err(CalibrateError::NotSettled { file: train.source.clone(), iterations, unfinished });
+        return Err(CalibrateError::NotConverged { file: train.source.clone(), iterations, unfinished });
     }
     let identifiable = identifiability(&train, &geometric.arm, &NoEffects, &options.identify.freedom);
     let redundancy = Redundancy::of(&train, identifiable.rank);
@@ -361,7 +361,7 @@ pub fn calibrate_and_tell(
     begin(Progress::Judgement)?;
     let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
     let averaging = if options.average {
-        let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.settled()));
+        let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.converged_or_exact()));
         averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
     } else {
         Err(NotAveraged::NotAsked)
@@ -596,9 +596,9 @@ fn rows_of(
 fn unexplained(found: Option<&Trace>) -> Unexplained {
     let none = || Unexplained { structured: false, p_value: 1.0, places: Vec::new() };
     found.map_or_else(none, |found| Unexplained {
-        structured: found.leftover.structured,
-        p_value: found.leftover.p_value,
-        places: found.leftover.places.clone(),
+        structured: found.unexplained.structured,
+        p_value: found.unexplained.p_value,
+        places: found.unexplained.places.clone(),
     })
 }
 
@@ -654,10 +654,10 @@ fn of_geometric_stage(
 }
 
 /// What a parameter that the data cannot tell is held by.
-fn held(parameters: &[Identified], name: &str) -> Held {
+fn held(parameters: &[Identified], name: &str) -> HeldBy {
     match parameters.iter().find(|parameter| parameter.parameter == name) {
-        None => Held::Nominal,
-        Some(_) => Held::Prior,
+        None => HeldBy::Nominal,
+        Some(_) => HeldBy::Prior,
     }
 }
 
@@ -752,7 +752,8 @@ struct Fresh {
 /// # Errors
 /// The test holds nothing but fitted rows.
 fn fresh(data: Measurements, test: Option<Measurements>) -> Result<Fresh, TestError> {
-    let without = |data: Measurements, copies: &[usize]| if copies.is_empty() { data } else { data.without(copies) };
+    let without =
+        |data: Measurements, copies: &[usize]| if copies.is_empty() { data } else { data.leaving_out(copies) };
     let lines = |data: &Measurements, copies: &[usize]| copies.iter().map(|&row| data.lines[row]).collect::<Vec<_>>();
     let (mut test_copies, mut left) = (Vec::new(), None);
     if let Some(test) = test {

@@ -60,8 +60,8 @@ mod trace;
 
 pub use calibration::adoption::Adopted;
 pub use calibration::contract::{
-    CalibrationReport, CurveEntry, CurvePoint, EffectEntry, FileRead, FileUse, Held, Identified, Origin, Rival, SCHEMA,
-    Samples, Stage, Unidentifiable,
+    CalibrationReport, CurveEntry, CurvePoint, EffectEntry, FileRead, FileUse, HeldBy, Identified, Origin, Rival,
+    SCHEMA, Samples, Stage, Unidentifiable,
 };
 pub use calibration::diagnosis::Diagnosis;
 pub use calibration::rows::{RowEntry, Rows, to_csv as residuals_csv};

@@ -16,7 +16,7 @@ mod findings;
 mod holdout;
 pub(crate) mod linear;
 pub mod loads;
-mod portrait;
+mod partial_residuals;
 mod projector;
 mod refine;
 pub(crate) mod search;
@@ -36,7 +36,7 @@ use crate::observation::parameters::NoEffects;
 use crate::trace::infer::curves::{CurveFit, CurveOptions};
 use crate::trace::infer::hypotheses::Open;
 use crate::trace::infer::named::{Alternative, likely, sure};
-pub use portrait::{Portrait, PortraitPoint};
+pub use partial_residuals::{PartialResidual, PartialResiduals};
 use serde::Serialize;
 use std::sync::Arc;
 pub use unexplained::{Structure, UnexplainedStructure};
@@ -110,7 +110,7 @@ pub struct Finding {
     /// Kinds and places that may act in its stead, the most probable first.
     pub rivals: Vec<Alternative>,
     /// What the rows say of it.
-    pub portrait: Portrait,
+    pub partial_residuals: PartialResiduals,
 }
 
 impl Finding {
@@ -164,7 +164,7 @@ pub struct Trace {
     /// The first pass: the best candidate of each kind at each place.
     pub scan: Vec<ScanCell>,
     /// What no entry explains.
-    pub leftover: UnexplainedStructure,
+    pub unexplained: UnexplainedStructure,
     /// The sets of causes that are left possible, where they are more than one.
     pub open: Option<Arc<Open>>,
 }

@@ -13,7 +13,7 @@ use denavit_calibrate::observation::kinds::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
 use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::trace::infer::named::Alternative;
-use denavit_calibrate::trace::{PortraitPoint, Structure, TraceOptions};
+use denavit_calibrate::trace::{PartialResidual, Structure, TraceOptions};
 use denavit_calibrate::{IdentifyOptions, NoEffects};
 use denavit_model::examples::puma_like;
 
@@ -55,9 +55,13 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     let found = &result.trace.as_ref().unwrap().findings;
     assert_eq!(found.len(), 1, "{found:?}");
     // The wave is in what all else leaves, and no longer in what is left.
-    let points = &found[0].portrait.points;
-    let square = |value: fn(&PortraitPoint) -> f64| points.iter().map(|point| value(point).powi(2)).sum::<f64>();
-    assert!(points.len() > 40 && found[0].portrait.abscissa == "joint_3, rad", "{:?}", found[0].portrait.abscissa);
+    let points = &found[0].partial_residuals.points;
+    let square = |value: fn(&PartialResidual) -> f64| points.iter().map(|point| value(point).powi(2)).sum::<f64>();
+    assert!(
+        points.len() > 40 && found[0].partial_residuals.abscissa == "joint_3, rad",
+        "{:?}",
+        found[0].partial_residuals.abscissa
+    );
     assert!(square(|point| point.after) < 0.2 * square(|point| point.partial));
     assert!(square(|point| point.partial - point.model) < 0.2 * square(|point| point.model));
     let text = page(&result).unwrap();
@@ -78,8 +82,8 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     let trace = result.trace.as_mut().unwrap();
     trace.findings[0].named = false;
     trace.findings[0].rivals = vec![Alternative { kind: Kind::JointScale, place: "joint_3".into(), probability: 0.25 }];
-    trace.leftover.structured = true;
-    trace.leftover.places = vec![Structure { joint: Some("joint_2".into()), covariate: None, share: 0.4 }];
+    trace.unexplained.structured = true;
+    trace.unexplained.places = vec![Structure { joint: Some("joint_2".into()), covariate: None, share: 0.4 }];
     let text = page(&result).unwrap();
     assert!(text.contains("<h3 class=\"open\">one of: transmission_error at joint_3 ("), "{text}");
     assert!(text.contains("joint_scale at joint_3 (25 %)"));

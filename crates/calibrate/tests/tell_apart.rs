@@ -116,5 +116,5 @@ fn what_cannot_be_chosen_is_refused() {
     let (statics, asked) = (Statics::of_chain(&puma), CalibrateOptions::geometry(&puma));
     let found = calibrate(&puma, &statics, data, None, &asked).unwrap();
     let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, POSITION), true).unwrap_err();
-    assert!(matches!(error, PlanError::Held(_)), "{error}");
+    assert!(matches!(error, PlanError::InContact(_)), "{error}");
 }

@@ -44,7 +44,7 @@ fn check(kind: Kind, carrier: Carrier, driver: Driver, coefficients: &[f64]) {
         let std = value.std.unwrap();
         assert!((value.value - truth).abs() < 4.5 * std, "{}: {} ± {std}, truth {truth}", value.name, value.value);
     }
-    assert!(finding.probability > 0.5 && !found.leftover.structured);
+    assert!(finding.probability > 0.5 && !found.unexplained.structured);
     assert!((found.fit.noise.first() / 5e-5 - 1.0).abs() < 0.12, "{}", found.fit.noise.first());
 }
 
@@ -53,7 +53,7 @@ fn clean_data_name_nothing() {
     for seed in 0..4 {
         let found = traced(Vec::new(), seed);
         assert!(found.findings.is_empty(), "{:?}", found.findings);
-        assert!(!found.leftover.structured && !found.scan.is_empty());
+        assert!(!found.unexplained.structured && !found.scan.is_empty());
     }
 }
 

@@ -12,7 +12,7 @@ pub use denavit_bag::is_bag;
 #[cfg(feature = "bags")]
 pub fn data_file(file: &str, arguments: &BagArguments, chain: &Chain) -> Result<DataFile, Failure> {
     use denavit_load::measured::HashedFile;
-    let asked = denavit_bag::Asked {
+    let asked = denavit_bag::BagOptions {
         joints: chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect(),
         joint_topic: arguments.joint_topic.clone(),
         target_topic: arguments.target_topic.clone(),

@@ -22,7 +22,7 @@ use denavit_model::se3::Pose;
 use denavit_model::tree::TreeError;
 use joints::{Names, Reparametrised};
 use matter::{Matter, TipPair};
-use steps::{Space, Way};
+use steps::{Space, TipPath};
 
 /// Compares `b` with the reference `a`.
 ///
@@ -195,7 +195,7 @@ impl Found {
         let space = Space::new(a, b, &self.at, &self.runs, options);
         let mut result: Vec<TipDifference> = Vec::new();
         for TipPair { link, body, points } in &self.matter.tips {
-            let Some(way) = Way::new(a, b, &self.at, &space, *body, *points) else { continue };
+            let Some(way) = TipPath::new(a, b, &self.at, &space, *body, *points) else { continue };
             let still = way.steps.iter().all(|step| step.still);
             let samples = if still { 0 } else { options.samples };
             let largest = sampling::largest(&way, &space.intervals, samples, options.seed);

@@ -102,9 +102,9 @@ pub fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<Found<'a
     let mut best: Option<(Match, &VendorReading)> = None;
     let mut otherwise: Option<(Match, &VendorReading)> = None;
     for reading in readings {
-        let settled = best.as_ref().is_some_and(|(found, _)| found.verdict <= Verdict::Rounded);
+        let matches = best.as_ref().is_some_and(|(found, _)| found.verdict <= Verdict::Rounded);
         let hopeless = best.as_ref().is_none_or(|(found, _)| found.verdict == Verdict::Mismatch);
-        if settled || (reading.against_what_is_stated && !hopeless) {
+        if matches || (reading.against_what_is_stated && !hopeless) {
             break;
         }
         let found = match_table(chain, &reading.table)?;

@@ -55,7 +55,7 @@ pub struct Near {
 /// A file that was read before cannot be read again. What cannot be read at all is said of the file.
 pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + Sync)) -> Result<Corpus, FleetError> {
     let files = in_parallel(names, options.threads, |name| {
-        let file = files::look(name, options.same);
+        let file = files::examine(name, options.same);
         tell(name);
         file
     });

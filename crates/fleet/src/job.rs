@@ -9,7 +9,7 @@ use crate::manifest::Entry;
 use crate::run::{MERGED_AT, Outcome, RunReport, replaced};
 use crate::siblings::Priors;
 use crate::store::table::Rows;
-use crate::store::{Held, Runs};
+use crate::store::{LockedStore, Runs};
 use crate::tasks;
 use denavit_calibrate::identify::stop::Stop;
 use denavit_calibrate::identify::threads::par_map;
@@ -58,7 +58,7 @@ impl Job {
 /// A run over a fleet whose jobs are done elsewhere: what there is to do, and what came back.
 #[derive(Debug)]
 pub struct Ledger {
-    held: Held,
+    held: LockedStore,
     entries: Vec<Entry>,
     keys: HashSet<String>,
     runs: Runs,
@@ -74,7 +74,7 @@ impl Ledger {
     ///
     /// # Errors
     /// A file of the store cannot be read.
-    pub fn open(entries: Vec<Entry>, held: Held) -> Result<(Self, Vec<Job>), FleetError> {
+    pub fn open(entries: Vec<Entry>, held: LockedStore) -> Result<(Self, Vec<Job>), FleetError> {
         let runs = held.store.runs()?;
         let report = RunReport::of(&held.store, entries.len());
         let (later, first): (Vec<Entry>, Vec<Entry>) = entries.iter().cloned().partition(Entry::learns);

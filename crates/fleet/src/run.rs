@@ -5,7 +5,7 @@ use crate::job::{Computed, Job};
 use crate::key::{Robots, key};
 use crate::manifest::Entry;
 use crate::siblings::Priors;
-use crate::store::{Held, Runs, Slot, Store};
+use crate::store::{LockedStore, Runs, Slot, Store};
 use denavit_calibrate::identify::stop::Stop;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -108,7 +108,7 @@ impl Default for RunOptions {
 /// The store cannot be written; what was finished stays in it.
 pub fn run(
     entries: &[Entry],
-    held: &Held,
+    held: &LockedStore,
     options: &RunOptions,
     tell: &(dyn Fn(&Entry, &Outcome) -> ControlFlow<()> + Sync),
 ) -> Result<RunReport, FleetError> {

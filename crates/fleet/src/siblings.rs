@@ -195,7 +195,7 @@ impl Learned {
     pub fn prior(&self, of: Option<&str>) -> Option<Earlier> {
         let robots: Vec<&RobotInformation> = self.robots.iter().collect();
         let own = of.and_then(|of| self.serials.iter().position(|serial| serial == of));
-        let others = own.map(|own| self.population.without(&robots, own, &self.drawing.moved()));
+        let others = own.map(|own| self.population.leaving_out(&robots, own, &self.drawing.moved()));
         let (mean, covariance) = others.unwrap_or_else(|| Some(self.population.clone()))?.next();
         Some(self.drawing.prior(&mean, &covariance))
     }

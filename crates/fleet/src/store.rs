@@ -35,7 +35,7 @@ pub struct Store {
 
 /// A store that this process alone writes.
 #[derive(Debug)]
-pub struct Held {
+pub struct LockedStore {
     /// The store.
     pub store: Store,
     /// Let go of when the process ends, however it does.
@@ -104,7 +104,7 @@ impl Store {
     ///
     /// # Errors
     /// Another run holds it, or the folder cannot be written.
-    pub fn hold(folder: &Path) -> Result<Held, FleetError> {
+    pub fn hold(folder: &Path) -> Result<LockedStore, FleetError> {
         for table in TABLES {
             let folder = folder.join(table.name);
             std::fs::create_dir_all(&folder).map_err(FleetError::store(&folder))?;
@@ -120,7 +120,7 @@ impl Store {
         let store = Self { folder: folder.to_owned() };
         store.finish_merge()?;
         store.clean()?;
-        Ok(Held { store, _lock: lock })
+        Ok(LockedStore { store, _lock: lock })
     }
 
     /// The folder.

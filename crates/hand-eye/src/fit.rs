@@ -11,11 +11,11 @@ type Step = SVector<f64, 12>;
 /// Steps of Gauss and Newton.
 const MOST_STEPS: usize = 100;
 /// A step this small ends them, m of the rows' size and rad.
-const SETTLED: f64 = 1e-13;
+const CONVERGED: f64 = 1e-13;
 /// Rounds of estimating both variances.
 const MOST_ROUNDS: usize = 50;
-/// Variances that change by less than this share are settled.
-const SETTLED_VARIANCE: f64 = 1e-8;
+/// Variances that change by less than this share have converged.
+const CONVERGED_VARIANCE: f64 = 1e-8;
 /// Noise counts as no less than this share of the size, and this many rad, so that rows without any are weighed.
 const LEAST_NOISE: f64 = 1e-9;
 
@@ -60,8 +60,8 @@ pub struct Fitted {
     pub noise: [f64; 2],
     /// Jᵀ W J at the end.
     pub normal: Normal,
-    /// Whether steps and variances settled.
-    pub settled: bool,
+    /// Whether steps and variances converged.
+    pub converged: bool,
 }
 
 /// Weighted sum of squares.
@@ -104,7 +104,7 @@ fn least_squares(start: [Pose; 2], rows: &[Row], weights: [f64; 2], size: f64) -
                 moved(&placed[0], &step.fixed_rows::<6>(0).into_owned()),
                 moved(&placed[1], &step.fixed_rows::<6>(6).into_owned()),
             ];
-            let small = step.component_div(&scale).amax() < SETTLED;
+            let small = step.component_div(&scale).amax() < CONVERGED;
             let here = cost(&next, rows, weights);
             if here <= least {
                 (placed, least, damping) = (next, here, (damping * 0.1).max(1e-15));
@@ -136,7 +136,7 @@ pub fn fit(start: [Pose; 2], rows: &[Row], size: f64) -> Fitted {
     let n = 3.0 * rows.len() as f64;
     let mut placed = start;
     let mut noise = start_noise(&placed, rows);
-    let mut settled = false;
+    let mut done = false;
     for _ in 0..MOST_ROUNDS {
         let weights = weights(noise, size);
         let (next, converged) = least_squares(placed, rows, weights, size);
@@ -164,13 +164,13 @@ pub fn fit(start: [Pose; 2], rows: &[Row], size: f64) -> Fitted {
             .map(|((next, before), least)| (next.max(least) / before.max(least) - 1.0).abs());
         let change = change.fold(0.0, f64::max);
         noise = next;
-        if converged && change < SETTLED_VARIANCE {
-            settled = true;
+        if converged && change < CONVERGED_VARIANCE {
+            done = true;
             break;
         }
     }
     let (normal, _) = equations(&placed, rows, weights(noise, size));
-    Fitted { placed, noise, normal, settled }
+    Fitted { placed, noise, normal, converged: done }
 }
 
 fn least_noise(size: f64) -> [f64; 2] {

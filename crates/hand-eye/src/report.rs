@@ -34,7 +34,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
     if let Some(unknown) = &found.unknown {
         let _ = writeln!(text, "WARNING: {unknown}");
     }
-    if !found.settled {
+    if !found.converged {
         text.push_str("WARNING: the fit did not converge; do not use it\n");
     }
     if used < FEW {
@@ -162,7 +162,7 @@ pub fn json(found: &HandEye, lines: Lines) -> String {
             "base_apart_m": form.apart.map(|[(moved, _), _]| moved),
             "base_apart_rad": form.apart.map(|[(_, turned), _]| turned),
         })).collect::<Vec<_>>(),
-        "converged": found.settled,
+        "converged": found.converged,
         "residuals": rows,
     });
     serde_json::to_string_pretty(&value).expect("plain values with text keys") + "\n"

@@ -106,8 +106,8 @@ pub struct HandEye {
     pub unknown: Option<Unknown>,
     /// Closed forms on the rows that were fitted.
     pub closed_forms: Vec<ClosedForm>,
-    /// Whether the fit settled.
-    pub settled: bool,
+    /// Whether the fit converged.
+    pub converged: bool,
 }
 
 /// Both placements from pairs of poses.
@@ -163,7 +163,7 @@ pub fn solve(pairs: &[Pair], arrangement: Arrangement) -> Result<HandEye, HandEy
         held_out: held_out(&fitted, &used, size),
         unknown: unknown(&pairs_used, &fitted.normal, size),
         closed_forms: closed_forms.collect(),
-        settled: fitted.settled,
+        converged: fitted.converged,
     })
 }
 

@@ -62,7 +62,7 @@ fn exact_rows_give_exact_placements_by_every_method() {
             for (turned, moved) in apart(&found, &run) {
                 assert!(turned < 1e-12 && moved < 1e-12, "{arrangement:?} {seed}: {turned:e} {moved:e}");
             }
-            assert!(found.settled && found.unknown.is_none());
+            assert!(found.converged && found.unknown.is_none());
             for form in &found.closed_forms {
                 let name = form.name;
                 for (moved, turned) in form.apart.unwrap() {

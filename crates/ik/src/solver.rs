@@ -135,7 +135,7 @@ impl Solutions {
 }
 
 #[derive(Debug, Clone)]
-enum Way {
+enum Strategy {
     Six(Box<Six>),
     Seven { parameter: usize },
     Search,
@@ -157,7 +157,7 @@ enum Way {
 pub struct Solver {
     chain: Chain,
     size: f64,
-    way: Way,
+    strategy: Strategy,
     method: Method,
 }
 
@@ -165,16 +165,16 @@ impl Solver {
     /// Reads the chain's class off its screw axes.
     pub fn new(chain: &Chain) -> Self {
         let size = chain.size();
-        let (way, method) = if let Some(arm) = SixR::of(chain) {
+        let (strategy, method) = if let Some(arm) = SixR::of(chain) {
             let six = Six::of(arm, size, true);
             let (class, angle, distance) = (six.drawn.class, six.drawn.angle, six.drawn.distance);
-            (Way::Six(Box::new(six)), Method::ClosedForm { class, angle, distance })
+            (Strategy::Six(Box::new(six)), Method::ClosedForm { class, angle, distance })
         } else if let Some((parameter, class)) = seven::redundant(chain, size) {
-            (Way::Seven { parameter }, Method::Redundant { parameter, class })
+            (Strategy::Seven { parameter }, Method::Redundant { parameter, class })
         } else {
-            (Way::Search, Method::Search)
+            (Strategy::Search, Method::Search)
         };
-        Self { chain: chain.clone(), size, way, method }
+        Self { chain: chain.clone(), size, strategy, method }
     }
 
     /// How solutions are found for this chain.
@@ -212,15 +212,15 @@ impl Solver {
         if n == 0 {
             return;
         }
-        match &self.way {
-            Way::Six(six) => {
+        match &self.strategy {
+            Strategy::Six(six) => {
                 let tally = six.each(target, self.size, |values, branch, landed| {
                     self.add(near, values, branch, landed, solutions)
                 });
                 solutions.lost = tally.lost;
             }
-            Way::Seven { parameter } => self.seven(*parameter, target, near, solutions),
-            Way::Search => self.search(target, near, solutions, RESTARTS),
+            Strategy::Seven { parameter } => self.seven(*parameter, target, near, solutions),
+            Strategy::Search => self.search(target, near, solutions, RESTARTS),
         }
         solutions.reached = !solutions.found.is_empty();
         if !solutions.reached {

@@ -151,7 +151,7 @@ impl<'a> Edits<'a> {
     }
 
     /// The text with every edit, and how many there were; what is in an element that is taken out, too.
-    fn made(mut self) -> Option<(String, usize)> {
+    fn finished(mut self) -> Option<(String, usize)> {
         self.pieces.sort_by_key(|(range, _)| (range.start, range.end));
         let (mut out, mut at, changes) = (String::with_capacity(self.text.len()), 0, self.pieces.len());
         for (range, new) in self.pieces {

@@ -1,6 +1,6 @@
 //! The files of a revision in git, in place of those of the working tree.
 
-use denavit_xacro::files::{self, Held};
+use denavit_xacro::files::{self, FileOverlay};
 use denavit_xacro::{Frame, XacroError};
 use std::cell::RefCell;
 use std::io;
@@ -22,7 +22,7 @@ struct Revision {
     name: String,
     /// The top folder of the working tree.
     top: PathBuf,
-    files: Arc<Held>,
+    files: Arc<FileOverlay>,
 }
 
 impl Home {
@@ -129,7 +129,7 @@ pub(crate) fn line(bytes: &[u8]) -> String {
 }
 
 /// A working tree, what its revision is called, and the files of that.
-type Listed = (PathBuf, Vec<u8>, Arc<Held>);
+type Listed = (PathBuf, Vec<u8>, Arc<FileOverlay>);
 
 thread_local! {
     /// The revision that was listed last: a source is looked at several times.
@@ -137,7 +137,7 @@ thread_local! {
 }
 
 /// Every file of a revision by its name in the working tree; of the index where the name is empty.
-fn files_of(revision: &str, top: &Path) -> Result<Arc<Held>, String> {
+fn files_of(revision: &str, top: &Path) -> Result<Arc<FileOverlay>, String> {
     if revision.starts_with('-') {
         return Err("a revision may not begin with \"-\"".into());
     }
@@ -152,7 +152,7 @@ fn files_of(revision: &str, top: &Path) -> Result<Arc<Held>, String> {
     if let Some(files) = known {
         return Ok(files);
     }
-    let mut held = Held::below(top);
+    let mut held = FileOverlay::below(top);
     for entry in listed.split(|byte| *byte == 0).filter(|entry| !entry.is_empty()) {
         let entry = String::from_utf8_lossy(entry);
         // "MODE blob ID\tPATH" of a tree, "MODE ID STAGE\tPATH" of the index.

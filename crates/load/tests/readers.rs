@@ -23,7 +23,7 @@ fn rows_that_say_the_same_are_copies_whatever_else_is_recorded() {
     );
     assert_eq!(data.copies(None), [2]);
     assert_eq!(data.copies(Some(&data)), [0, 1, 2, 3, 4]);
-    assert_eq!(data.without(&[2]).lines, [2, 3, 5, 6]);
+    assert_eq!(data.leaving_out(&[2]).lines, [2, 3, 5, 6]);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn a_file_given_twice_has_two_setups_and_one_set_of_rows() {
     let one = || rows("joint_1,joint_2,x1,y1,z1,x2,y2,z2\n0.1,0.2,1,0.5,0,1,1,1\n0.3,0.2,1,0.6,0,,,\n");
     let both = Measurements::joined(vec![one().of_setup("a"), one().of_setup("a 2")]).unwrap();
     assert_eq!(both.copies(None), [2, 3]);
-    let left = both.without(&[2, 3]);
+    let left = both.leaving_out(&[2, 3]);
     assert_eq!((left.scene.setups.len(), left.scene.targets.len(), left.len()), (1, 2, 2));
 }
 

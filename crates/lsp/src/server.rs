@@ -140,7 +140,7 @@ struct Server<'a> {
 }
 
 /// Where an editor asks: the file and the byte.
-struct Asked {
+struct TextPosition {
     path: PathBuf,
     at: usize,
 }
@@ -279,11 +279,11 @@ impl Server<'_> {
         }
     }
 
-    fn asked(&self, params: &Value) -> Option<Asked> {
+    fn asked(&self, params: &Value) -> Option<TextPosition> {
         let TextDocumentPositionParams { text_document, position } = read(params.clone())?;
         let path = Self::path(&text_document.uri)?;
         let at = self.session.files.text(&path)?.offset(position);
-        Some(Asked { path, at })
+        Some(TextPosition { path, at })
     }
 
     fn file(params: &Value) -> Option<PathBuf> {
@@ -298,7 +298,7 @@ impl Server<'_> {
         let file = Self::file(&params);
         let nothing = Ok(Value::Null);
         let at = |answer: &dyn Fn(&Path, usize) -> Result<Value, String>| match &asked {
-            Some(Asked { path, at }) => answer(path, *at),
+            Some(TextPosition { path, at }) => answer(path, *at),
             None => Ok(Value::Null),
         };
         let of = |answer: &dyn Fn(&Path) -> Result<Value, String>| file.as_deref().map_or(Ok(Value::Null), answer);

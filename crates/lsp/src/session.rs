@@ -5,7 +5,7 @@ use crate::markup::{Markup, scan};
 use crate::names::{Language, Occurrence, occurrences};
 use crate::settings::Settings;
 use crate::text::{Encoding, Text};
-use denavit_xacro::files::{self, Held};
+use denavit_xacro::files::{self, FileOverlay};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ impl Files {
 
     /// Runs `work` where these texts hide the files of their names, and open buffers other files.
     pub fn with_texts<T>(&self, texts: &BTreeMap<PathBuf, String>, work: impl FnOnce() -> T) -> T {
-        let mut held = Held::over_the_disk();
+        let mut held = FileOverlay::over_the_disk();
         for (path, seen) in self.open.iter().filter(|(path, _)| !texts.contains_key(*path)) {
             held.add(path, seen.text.text.clone().into_bytes());
         }

@@ -111,7 +111,7 @@ fn found(result: &Calibration) -> Value {
     json!({
         "heading": findings::heading(trace),
         "effects": effects,
-        "structured": trace.leftover.structured,
+        "structured": trace.unexplained.structured,
         "ending": findings::ending(trace),
     })
 }

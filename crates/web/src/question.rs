@@ -7,7 +7,7 @@ use denavit_export::Units;
 use denavit_export::sources::Stated;
 use denavit_load::{Loaded, NEARLY_PARALLEL, Opened, Options, Selection, TableOptions};
 use denavit_model::{Chain, ChainJoint, Reading};
-use denavit_xacro::files::Held;
+use denavit_xacro::files::FileOverlay;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -213,7 +213,7 @@ pub struct RobotText {
 
 impl Question {
     /// The files that the question brings, and the names of others, whose content is not there.
-    pub(crate) fn files(&self) -> Held {
+    pub(crate) fn files(&self) -> FileOverlay {
         let robots: Vec<&RobotText> = match self {
             Self::Open(source)
             | Self::Poe(source)
@@ -235,7 +235,7 @@ impl Question {
             Self::Ik(asked) => vec![&asked.source],
             Self::Twist(asked) => vec![&asked.source],
         };
-        let mut held = Held::default();
+        let mut held = FileOverlay::default();
         for robot in robots {
             for name in &robot.names {
                 held.add_later(Path::new(name), || Err(io::Error::other("meshes are drawn on this page, not weighed")));

@@ -15,7 +15,7 @@ use std::sync::Arc;
 ///
 /// They have absolute names, such as `/arm_description/urdf/arm.xacro`.
 #[derive(Debug, Default)]
-pub struct Held {
+pub struct FileOverlay {
     files: BTreeMap<PathBuf, Content>,
     links: BTreeMap<PathBuf, Content>,
     refused: BTreeMap<PathBuf, String>,
@@ -56,7 +56,7 @@ impl Content {
     }
 }
 
-impl Held {
+impl FileOverlay {
     /// No files, in place of what the disk has below a folder; elsewhere the disk is seen.
     pub fn below(folder: impl Into<PathBuf>) -> Self {
         Self { seen: Seen::Outside(folder.into()), ..Self::default() }
@@ -134,13 +134,13 @@ impl Held {
 }
 
 thread_local! {
-    static HELD: RefCell<Option<Arc<Held>>> = const { RefCell::new(None) };
+    static HELD: RefCell<Option<Arc<FileOverlay>>> = const { RefCell::new(None) };
 }
 
 /// Runs `work` with held files; with `None` on the disk.
-pub fn with<T>(held: Option<Arc<Held>>, work: impl FnOnce() -> T) -> T {
+pub fn with<T>(held: Option<Arc<FileOverlay>>, work: impl FnOnce() -> T) -> T {
     /// Puts back what was held before, also where `work` panics.
-    struct Before(Option<Arc<Held>>);
+    struct Before(Option<Arc<FileOverlay>>);
     impl Drop for Before {
         fn drop(&mut self) {
             HELD.set(self.0.take());
@@ -151,7 +151,7 @@ pub fn with<T>(held: Option<Arc<Held>>, work: impl FnOnce() -> T) -> T {
 }
 
 /// What this thread holds, for another thread.
-pub(crate) fn held() -> Option<Arc<Held>> {
+pub(crate) fn held() -> Option<Arc<FileOverlay>> {
     HELD.with_borrow(Clone::clone)
 }
 
@@ -165,23 +165,23 @@ pub fn are_held() -> bool {
 /// # Errors
 /// There is no such file, or it cannot be read.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
-    look(path, Held::bytes, |path| std::fs::read(path))
+    look_up(path, FileOverlay::bytes, |path| std::fs::read(path))
 }
 
 /// Whether there is such a file.
 pub fn is_file(path: &Path) -> bool {
-    look(path, |held, path| held.files.contains_key(path), Path::is_file)
+    look_up(path, |held, path| held.files.contains_key(path), Path::is_file)
 }
 
 /// Whether there is such a folder.
 pub fn is_folder(path: &Path) -> bool {
-    look(path, Held::holds_folder, Path::is_dir)
+    look_up(path, FileOverlay::holds_folder, Path::is_dir)
 }
 
 /// Whether there is such a file or folder.
 pub fn exists(path: &Path) -> bool {
-    let is_held = |held: &Held, path: &Path| held.files.contains_key(path) || held.holds_folder(path);
-    look(path, is_held, Path::exists)
+    let is_held = |held: &FileOverlay, path: &Path| held.files.contains_key(path) || held.holds_folder(path);
+    look_up(path, is_held, Path::exists)
 }
 
 /// The absolute name of what is there, links resolved.
@@ -189,11 +189,11 @@ pub fn exists(path: &Path) -> bool {
 /// # Errors
 /// There is nothing.
 pub fn canonical(path: &Path) -> Result<PathBuf> {
-    let name = |held: &Held, path: &Path| {
+    let name = |held: &FileOverlay, path: &Path| {
         let is_there = held.files.contains_key(path) || held.holds_folder(path);
         if is_there { Ok(path.to_path_buf()) } else { Err(held.missing(path)) }
     };
-    look(path, name, Path::canonicalize)
+    look_up(path, name, Path::canonicalize)
 }
 
 /// The absolute form of a name; nothing need be there.
@@ -209,17 +209,17 @@ pub fn absolute(path: &Path) -> Result<PathBuf> {
 /// # Errors
 /// There is nothing.
 pub fn size(path: &Path) -> Result<Option<u64>> {
-    let held = |held: &Held, path: &Path| match held.files.get(path) {
+    let held = |held: &FileOverlay, path: &Path| match held.files.get(path) {
         Some(content) => content.bytes().map(|bytes| Some(bytes.len() as u64)),
         None if held.holds_folder(path) => Ok(None),
         None => Err(held.missing(path)),
     };
-    look(path, held, |path| std::fs::metadata(path).map(|found| found.is_file().then_some(found.len())))
+    look_up(path, held, |path| std::fs::metadata(path).map(|found| found.is_file().then_some(found.len())))
 }
 
 /// The files and folders in a folder, in no order; none where there is no such folder.
 pub(crate) fn entries(folder: &Path) -> Vec<PathBuf> {
-    let held = |held: &Held, inside: &Path| {
+    let held = |held: &FileOverlay, inside: &Path| {
         let below = |names: &BTreeMap<PathBuf, Content>| -> Vec<PathBuf> {
             let names = names.range(inside.to_path_buf()..).map(|(name, _)| name);
             let names = names.take_while(|name| name.starts_with(inside));
@@ -231,14 +231,14 @@ pub(crate) fn entries(folder: &Path) -> Vec<PathBuf> {
         names.dedup();
         names
     };
-    look(folder, held, |folder| {
+    look_up(folder, held, |folder| {
         std::fs::read_dir(folder)
             .map_or_else(|_| Vec::new(), |found| found.flatten().map(|entry| entry.path()).collect())
     })
 }
 
 /// Looks among the held files where they stand in place of the disk, and on the disk elsewhere.
-fn look<T>(path: &Path, held: impl FnOnce(&Held, &Path) -> T, disk: impl FnOnce(&Path) -> T) -> T {
+fn look_up<T>(path: &Path, held: impl FnOnce(&FileOverlay, &Path) -> T, disk: impl FnOnce(&Path) -> T) -> T {
     let Some(files) = self::held() else { return disk(path) };
     let root = match &files.seen {
         Seen::Nothing => {
@@ -298,7 +298,7 @@ mod tests {
 
     /// Runs `work` with these files in place of the disk; relative names begin at `/`.
     fn with_held<T>(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>, work: impl FnOnce() -> T) -> T {
-        let mut held = Held::default();
+        let mut held = FileOverlay::default();
         for (name, bytes) in files {
             held.add(&name, bytes);
         }
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn an_unsaved_text_hides_the_file_of_its_name_and_nothing_else() {
         let top = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
-        let mut held = Held::over_the_disk();
+        let mut held = FileOverlay::over_the_disk();
         held.add(&top.join("Cargo.toml"), b"unsaved".to_vec());
         held.add(&top.join("not/saved.xacro"), b"new".to_vec());
         with(Some(Arc::new(held)), || {
@@ -358,7 +358,7 @@ mod tests {
     #[test]
     fn below_a_folder_held_files_stand_in_place_of_the_disk_and_links_are_followed() {
         let top = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
-        let mut held = Held::below(&top);
+        let mut held = FileOverlay::below(&top);
         held.add(&top.join("src/old.txt"), b"old".to_vec());
         held.add_link(&top.join("link"), || Ok(b"src".to_vec()));
         held.add_link(&top.join("circle"), || Ok(b"circle".to_vec()));

@@ -104,7 +104,7 @@ pub enum PlanError {
         "poses cannot be chosen for {}: whoever brings the target into contact chooses them; spread them as widely as the arm can",
         .0.plural()
     )]
-    Held(ObservationKind),
+    InContact(ObservationKind),
     /// Numbers of the robot that are too far apart in size.
     #[error(
         "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
@@ -178,7 +178,7 @@ pub fn plan(chain: &Chain, options: &PlanOptions) -> Result<Plan, PlanError> {
     within_proportion(chain)?;
     can_be_identified(chain)?;
     if options.kind.holds_the_target() {
-        return Err(PlanError::Held(options.kind));
+        return Err(PlanError::InContact(options.kind));
     }
     let all = candidates(chain, options)?;
     let total = all.len();

@@ -313,7 +313,7 @@ impl CalibrationReport {
 /// What a parameter is held by that the data cannot tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Held {
+pub enum HeldBy {
     /// It was not moved.
     Nominal,
     /// The prior keeps it near the drawing, together with what it cannot be separated from.
@@ -340,7 +340,7 @@ pub struct Unidentifiable {
     /// Why.
     pub why: String,
     /// What it is held by.
-    pub held: Held,
+    pub held: HeldBy,
 }
 
 /// Error after a stage.

@@ -283,7 +283,7 @@ impl Monitor {
             |fitted| fitted.fit.arm.clone(),
         );
         let fit = fit_stage(data, &start, &NoEffects, &weights, &options);
-        let judges = fit.assumed_degrees() == 0.0 && fit.settled();
+        let judges = fit.assumed_degrees() == 0.0 && fit.converged_or_exact();
         let likely = |row: &usize| Prediction::of(&fit, data, &[*row]).out_of_line(&fit, data).is_none();
         if judges {
             self.out.retain(|row| !likely(row));

@@ -74,12 +74,12 @@ pub struct Placements {
 /// may be a million, and most that are calibrated with a million never look at them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rows {
-    parts: Vec<Left>,
+    parts: Vec<FileResiduals>,
 }
 
 /// What is left of the observations of one file: what it is computed from.
 #[derive(Debug, Clone, PartialEq)]
-struct Left {
+struct FileResiduals {
     data: Arc<Measurements>,
     arm: Arm,
     /// For `data`; none where geometry alone was adopted.
@@ -104,14 +104,14 @@ impl Rows {
         model: impl Fn(E) -> Option<EffectModel>,
     ) -> Self {
         let rejected = fit.weights.iter().enumerate().filter(|(_, weight)| **weight == 0.0);
-        let fitted = Left {
+        let fitted = FileResiduals {
             data: train.clone(),
             arm: fit.arm.clone(),
             effects: model(fit.effects.clone()),
             rejected: rejected.map(|(observation, _)| observation).collect(),
             held_out: false,
         };
-        let judged = test.as_ref().map(|test| Left {
+        let judged = test.as_ref().map(|test| FileResiduals {
             data: test.clone(),
             arm: {
                 let mut arm =
@@ -128,7 +128,7 @@ impl Rows {
 
     /// Number of observations.
     pub fn len(&self) -> usize {
-        self.parts.iter().map(Left::len).sum()
+        self.parts.iter().map(FileResiduals::len).sum()
     }
 
     /// Whether there is none.
@@ -138,7 +138,7 @@ impl Rows {
 
     /// One entry after the other.
     pub fn iter(&self) -> impl Iterator<Item = RowEntry> {
-        self.parts.iter().flat_map(Left::entries)
+        self.parts.iter().flat_map(FileResiduals::entries)
     }
 }
 
@@ -150,7 +150,7 @@ impl Serialize for Rows {
     }
 }
 
-impl Left {
+impl FileResiduals {
     fn len(&self) -> usize {
         let rows = (0..self.data.len()).filter(|&row| !self.data.locate[row]);
         rows.map(|row| self.data.of_row(row).len()).sum()

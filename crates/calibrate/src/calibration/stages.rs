@@ -147,7 +147,7 @@ impl<'a> Stages<'a> {
             test: test_errors,
             train_lengths,
             test_lengths,
-            converged: fit.settled(),
+            converged: fit.converged_or_exact(),
             adopted: false,
             worse_on_held_out: false,
         });

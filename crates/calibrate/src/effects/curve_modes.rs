@@ -120,7 +120,7 @@ impl Varying {
     }
 
     /// The model with its curves as they came to vary.
-    pub fn settled(&self) -> EffectModel {
+    pub fn updated(&self) -> EffectModel {
         let mut model = self.model.clone();
         for (mode, amount) in self.modes.iter().zip(&self.amounts) {
             let curve = &mut model.curves[mode.curve];

@@ -35,7 +35,7 @@ const PASSES: usize = 3;
 const PASSES_OF_NAMED: usize = 1;
 /// Steps with the sizes found, at most, until what is read changes by less than this share of the noise's variance.
 const STEPS_TO_SETTLE: usize = 16;
-const SETTLED: f64 = 0.01;
+const CONVERGED: f64 = 0.01;
 /// Shortest share of a step that goes to and fro.
 const LEAST_SHARE: f64 = 0.25;
 /// Steps of the search for sizes, in the first pass and in those after it.
@@ -334,7 +334,7 @@ impl Averager<'_> {
     }
 
     /// The same with these sizes until nothing changes any more. The curvature stays as long as steps become shorter by it.
-    fn settled(&self, at: At, rows: &[usize]) -> Option<At> {
+    fn until_converged(&self, at: At, rows: &[usize]) -> Option<At> {
         let (mut at, mut before, mut share, mut known) = (at, f64::INFINITY, 1.0, None);
         for _ in 0..STEPS_TO_SETTLE {
             let rows = self.linearised(rows, &at);
@@ -347,7 +347,7 @@ impl Averager<'_> {
                 (self.at_mean(&at, &rows, &fresh, share), fresh)
             };
             at = next;
-            if change < SETTLED {
+            if change < CONVERGED {
                 break;
             }
             // Steps that do not become shorter go to and fro.
@@ -391,7 +391,7 @@ impl Averager<'_> {
         for pass in 0..=PASSES {
             plain = self.pass(&plain, pass)?;
         }
-        plain = self.settled(plain, &self.some)?;
+        plain = self.until_converged(plain, &self.some)?;
         let (of_plain, of_geometry) = self.left_out(&plain)?;
         let all = start(&|_| true, false);
         let mut at = At { sizes: all, ..plain.clone() };
@@ -399,7 +399,7 @@ impl Averager<'_> {
             at = self.pass(&at, pass)?;
         }
         at.sizes = self.sized(&at, &self.linearised(&self.some, &at), PASSES - 1);
-        at = self.settled(at, &self.all)?;
+        at = self.until_converged(at, &self.all)?;
         let (spread, left_out) = self.left_out(&at)?;
         let v_g = mean_square(&of_geometry);
         let mut found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);

@@ -148,8 +148,8 @@ impl Judge<'_> {
     }
 
     /// A fit with its curves as they came to vary, and how they are unsure after it.
-    fn settled(&self, kept: &[bool], weight: f64, varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
-        let model = varying.effects.settled();
+    fn with_updated_curves(&self, kept: &[bool], weight: f64, varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
+        let model = varying.effects.updated();
         let coefficients = model.numbers();
         let end = varying.layout.effects.start + coefficients.len();
         let modes: Vec<usize> = (end..varying.layout.effects.end).collect();
@@ -185,7 +185,7 @@ impl Judge<'_> {
 
     fn evidence(&self, kept: &[bool], weight: f64) -> f64 {
         let fit = self.fitted(kept, weight, false);
-        if fit.settled() { log_evidence(self.data, &fit) } else { f64::NEG_INFINITY }
+        if fit.converged_or_exact() { log_evidence(self.data, &fit) } else { f64::NEG_INFINITY }
     }
 
     /// The weight of the axes beside these parts, and the logarithm of the rows' probability.
@@ -228,7 +228,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     let (usable, mut parts, indices) = usable(known, data);
     let all = vec![true; usable.parts()];
     let (whole, places) = usable.model(&all);
-    let whole = Arc::new(whole.settled());
+    let whole = Arc::new(whole.updated());
     let held = EffectModel::beside(&usable.statics, Some(&whole));
     let plain = FitOptions { robust: false, ..options.fit };
     let anew = fit(data, &identification.nominal.layout, &placed.fit.arm, &held, &geometric.weights, &plain);
@@ -257,7 +257,8 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     }
     let ones = vec![1.0; data.observations()];
     let judge = Judge { data, weights: &ones, ..judge };
-    let (updated, updated_modes) = judge.settled(&kept, weight, judge.fitted(&kept, weight, options.fit.robust));
+    let (updated, updated_modes) =
+        judge.with_updated_curves(&kept, weight, judge.fitted(&kept, weight, options.fit.robust));
     let first_field = known.model.effects.len() - known.fields;
     let gains_of = |wanted: &[bool]| {
         let of = |part: &usize| wanted[*part];

@@ -46,7 +46,7 @@ pub(super) fn continued(
     let alone = with_plates_turned(data, staged(start), &staged);
     let tried = WEIGHTS.map(|weight| {
         let fit = fit_stage(data, &alone.arm, &NoEffects, &alone.weights, &counted(weight, false));
-        (weight, if fit.settled() { log_evidence(data, &fit) } else { f64::NEG_INFINITY })
+        (weight, if fit.converged_or_exact() { log_evidence(data, &fit) } else { f64::NEG_INFINITY })
     });
     let (weight, _) = borne_out(&tried);
     let start = with_plates_of(data, start, &alone.arm);

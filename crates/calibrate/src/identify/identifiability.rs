@@ -102,7 +102,7 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     let triangle = triangle(data, &layout, arm, effects);
     let unread = data.scene.kinds().iter().any(|kind| kind.numbers() == 0);
     let triangle = if unread && layout.axes_are_free() {
-        without(&triangle, &gauge::common_motions(&layout, arm))
+        orthogonal_to(&triangle, &gauge::common_motions(&layout, arm))
     } else {
         triangle
     };
@@ -179,7 +179,7 @@ fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// A Jacobian that these motions leave as it is: where nothing is read, no prediction makes the residuals 0, and what is
 /// left of them would tell the common frame.
-fn without(triangle: &DMatrix<f64>, motions: &DMatrix<f64>) -> DMatrix<f64> {
+fn orthogonal_to(triangle: &DMatrix<f64>, motions: &DMatrix<f64>) -> DMatrix<f64> {
     let basis = motions.clone().qr().q();
     triangle - triangle * &basis * basis.transpose()
 }

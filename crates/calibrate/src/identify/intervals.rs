@@ -27,7 +27,7 @@ impl<E> Fit<E> {
 
     /// Whether the numbers are a result: the last step was too small to matter, or so little is left of one kind of value
     /// that its weight leaves no step for the others (data without noise).
-    pub fn settled(&self) -> bool {
+    pub fn converged_or_exact(&self) -> bool {
         let least = EXACT * self.arm.nominal.size();
         self.converged || self.noise.levels.iter().any(|level| *level <= least)
     }

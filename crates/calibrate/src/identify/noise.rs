@@ -214,7 +214,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let together = together(sources, &joints);
     let tried = count - levels + usize::from(together.is_some());
     let limit = FALSE_CLAIMS / tried as f64;
-    let mut p_values: Vec<Option<f64>> = for_each(count, |k| (!is_level(&sources[k])).then(|| full.without(k)));
+    let mut p_values: Vec<Option<f64>> = for_each(count, |k| (!is_level(&sources[k])).then(|| full.p_value_without(k)));
     let mut claimed: Vec<bool> = p_values.iter().map(|p_value| p_value.is_none_or(|p_value| p_value < limit)).collect();
     let mut sources = sources.to_vec();
     let mut model = full.kept(&claimed);
@@ -225,7 +225,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
         start.push(joints.iter().map(|&k| full.best.numbers[k]).sum::<f64>() / joints.len() as f64);
         if let Some(best) = reml.likeliest(&tied, &start, &[], GOOD) {
             let study = Study { reml, tied, best };
-            let p_value = study.without(count);
+            let p_value = study.p_value_without(count);
             sources.push(source);
             p_values.push(Some(p_value));
             claimed.push(p_value < limit);
@@ -234,7 +234,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
             }
         }
     }
-    let model = model.settled()?;
+    let model = model.refined()?;
     let open = reml.slope(&model.tied.variances(&model.best.numbers))?;
     let beside = Beside { open: &open, together: all_alike.as_ref() };
     let component = |k: usize| model.component(k, &sources[k], &beside, claimed[k], p_values[k]);
@@ -299,7 +299,7 @@ impl<'a> Study<'a> {
                 .collect();
             // What is 0 changes nothing when it is left out.
             for k in idle {
-                model.tied = model.tied.without(k);
+                model.tied = model.tied.at_zero(k);
             }
             let open = (0..model.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false) && model.has(k));
             let least = open
@@ -307,7 +307,7 @@ impl<'a> Study<'a> {
                 .filter(|(ratio, _)| *ratio < FOR_NOTHING)
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((_, k)) = least else { return model };
-            let tied = model.tied.without(k);
+            let tied = model.tied.at_zero(k);
             let start = model.profile(k).beside(&model.best.numbers, 0.0);
             let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
             // What is known of it by the curvature alone need not hold.
@@ -321,13 +321,13 @@ impl<'a> Study<'a> {
     /// The model with what is claimed alone.
     fn only(&self, claimed: &[bool]) -> Option<Study<'a>> {
         let open = (0..self.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false));
-        let tied = open.fold(self.tied.clone(), |tied, k| tied.without(k));
+        let tied = open.fold(self.tied.clone(), |tied, k| tied.at_zero(k));
         let best = self.reml.likeliest(&tied, &self.best.numbers, &[], 0.0)?;
         Some(Study { reml: self.reml, tied, best })
     }
 
     /// The same, as exactly as can be had.
-    fn settled(self) -> Option<Study<'a>> {
+    fn refined(self) -> Option<Study<'a>> {
         let best = self.reml.likeliest(&self.tied, &self.best.numbers, &[], 0.0)?;
         Some(Study { best, ..self })
     }
@@ -413,12 +413,12 @@ impl<'a> Study<'a> {
     }
 
     /// Probability of as much less likelihood without a source that is not there.
-    fn without(&self, number: usize) -> f64 {
+    fn p_value_without(&self, number: usize) -> f64 {
         if self.best.numbers[number] <= 0.0 {
             return 1.0;
         }
         let start = self.profile(number).beside(&self.best.numbers, 0.0);
-        let rest = self.reml.likeliest(&self.tied.without(number), &start, &[], GOOD);
+        let rest = self.reml.likeliest(&self.tied.at_zero(number), &start, &[], GOOD);
         let ratio = rest.map_or(f64::INFINITY, |rest| rest.slope.deviance - self.best.slope.deviance);
         half_chi_squared(ratio.max(0.0) / self.tails(number))
     }

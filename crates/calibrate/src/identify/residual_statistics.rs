@@ -395,7 +395,7 @@ fn locate<E: Effects>(
                 instrument.rotation.inverse() * (measured / (1.0 + perturbation.scale) - instrument.translation.vector);
             let beyond = perturbation.sight.beyond(&measured, &instrument, &state.tip);
             let on_tip = state.tip.inverse()
-                * Point3::from(in_base - beyond - leftover(fit, fitted, (data.reading(row), data.tip_of(row))));
+                * Point3::from(in_base - beyond - mean_residual(fit, fitted, (data.reading(row), data.tip_of(row))));
             sum += on_tip.coords - perturbation.target;
             count += 1.0;
         }
@@ -404,7 +404,7 @@ fn locate<E: Effects>(
 }
 
 /// Mean residual (measured minus predicted) of the fitted rows with these readings, base frame, m; 0 without such rows.
-fn leftover<E: Effects>(fit: &Fit<E>, fitted: &Measurements, (reading, tip): (&[f64], usize)) -> Vector3<f64> {
+fn mean_residual<E: Effects>(fit: &Fit<E>, fitted: &Measurements, (reading, tip): (&[f64], usize)) -> Vector3<f64> {
     let alike = |row: &usize| {
         fitted.tip_of(*row) == tip
             && fitted

@@ -37,7 +37,7 @@ struct Link {
 
 /// The joints on the way to a tip, by their index among all, and the tip seen from the frame of the last.
 #[derive(Debug, Clone)]
-struct Way {
+struct TipPath {
     links: Vec<(usize, Link)>,
     tip: Pose,
 }
@@ -46,7 +46,7 @@ struct Way {
 #[derive(Debug, Clone)]
 pub(crate) struct Geometry {
     /// To each tip.
-    ways: Vec<Way>,
+    ways: Vec<TipPath>,
     /// Whether each joint turns, and its pitch, m/rad; 0 for prismatic joints, too.
     joints: Vec<(bool, f64)>,
 }
@@ -81,7 +81,7 @@ impl Geometry {
             let on_the_way = joints.filter(|(index, _)| tip.joints[*index]);
             let of = |(index, ((joint, nominal), basis))| (index, link(&mut before, joint, nominal, basis));
             let links = on_the_way.map(of).collect();
-            Way { links, tip: before.inverse() * tip.home }
+            TipPath { links, tip: before.inverse() * tip.home }
         };
         let shape =
             |joint: &ChainJoint| (!matches!(joint.screw, Screw::Prismatic(_)), joint.screw.pitch().unwrap_or(0.0));
@@ -325,7 +325,7 @@ fn rest_of_place<S: Simd>(
 #[inline(always)]
 fn walk<S: Simd>(
     simd: S,
-    way: &Way,
+    way: &TipPath,
     data: &Measurements,
     row: impl Fn(usize) -> usize,
     joints: &mut [Moved<S>],

@@ -275,9 +275,9 @@ impl Solver<'_> {
                 continue;
             }
             used = self.parameters_used(&state, &noise);
-            let settled = self.noise_of(&state.sums.squares, &weights, &used, false);
-            let steady = settled.near(&noise);
-            noise = settled;
+            let now = self.noise_of(&state.sums.squares, &weights, &used, false);
+            let steady = now.near(&noise);
+            noise = now;
             let rounding = noise == self.rounding();
             let least = self.options.least_promise;
             let ended = undamped < PROMISE_OF_A_RESULT && (stuck || promise < least);

@@ -126,7 +126,7 @@ pub fn named_first(trace: &Trace) -> Vec<&Finding> {
 
 /// What unexplained structure follows; `None` without such structure.
 pub fn structure(trace: &Trace) -> Option<String> {
-    let left = &trace.leftover;
+    let left = &trace.unexplained;
     left.structured.then(|| format!("{} ({})", places(trace), probability(left.p_value)))
 }
 
@@ -136,7 +136,7 @@ fn places(trace: &Trace) -> String {
         let name = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or("run order");
         format!("{name} {}", percent(place.share))
     };
-    trace.leftover.places.iter().map(place).collect::<Vec<_>>().join(", ")
+    trace.unexplained.places.iter().map(place).collect::<Vec<_>>().join(", ")
 }
 
 /// What the list of effects is headed with: how sure the surest is, of how many candidates.
@@ -154,7 +154,7 @@ pub fn heading(trace: &Trace) -> String {
 
 /// What it ends with: unexplained structure.
 pub fn ending(trace: &Trace) -> String {
-    let left = &trace.leftover;
+    let left = &trace.unexplained;
     let chance = probability(left.p_value);
     if left.structured {
         format!("unexplained structure ({chance}): {}", places(trace))

@@ -92,7 +92,7 @@ fn effects(result: &Calibration) -> Result<Vec<EffectShown>, PlotError> {
         let name = format!("{} at {}", finding.term.kind.name(), finding.place);
         Ok(EffectShown {
             said: findings::said(finding, trace),
-            plots: trace_plots::portrait(&finding.portrait, &name)?,
+            plots: trace_plots::partial_residuals(&finding.partial_residuals, &name)?,
         })
     });
     shown.collect()

@@ -3,7 +3,7 @@
 use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
-use crate::calibration::contract::{CalibrationReport, Held, Stage, TipEntry};
+use crate::calibration::contract::{CalibrationReport, HeldBy, Stage, TipEntry};
 use crate::effects::driver::RUN_ORDER;
 use crate::identify::averaging::NotAveraged;
 use crate::identify::residual_statistics::{Errors, LengthFound};
@@ -235,9 +235,9 @@ pub fn calibration(result: &Calibration) -> String {
     let continued = result.identification.earlier.is_some();
     for unidentifiable in &report.unidentifiable {
         let held = match unidentifiable.held {
-            Held::Nominal => "left at nominal",
-            Held::Prior if continued => "held near what was known before by the prior",
-            Held::Prior => "held near nominal by the prior",
+            HeldBy::Nominal => "left at nominal",
+            HeldBy::Prior if continued => "held near what was known before by the prior",
+            HeldBy::Prior => "held near nominal by the prior",
         };
         let _ = writeln!(text, "  {} {held}: {}", unidentifiable.parameter, unidentifiable.why);
     }

@@ -4,7 +4,7 @@ use crate::identify::residual_statistics::Residual;
 use crate::identify::solve::Noise;
 use crate::observation::measurements::Scene;
 use crate::report::plots::{AFTER, ARM, BEFORE, Plot, PlotError, svg};
-use crate::trace::Portrait;
+use crate::trace::PartialResiduals;
 use denavit_model::nalgebra::Vector3;
 use plotters::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -47,16 +47,16 @@ pub(super) fn scatter(sets: &[(&Points, RGBColor)], line: &Points, words: [&str;
 ///
 /// # Errors
 /// A value is not finite.
-pub fn portrait(portrait: &Portrait, name: &str) -> Result<[Plot; 2], PlotError> {
-    let (factor, ordinate) = in_thousandths(&portrait.ordinate);
-    let points = |value: fn(&crate::trace::PortraitPoint) -> Option<f64>| -> Points {
-        portrait.points.iter().filter_map(|point| Some((point.driver, value(point)? * factor))).collect()
+pub fn partial_residuals(partial_residuals: &PartialResiduals, name: &str) -> Result<[Plot; 2], PlotError> {
+    let (factor, ordinate) = in_thousandths(&partial_residuals.ordinate);
+    let points = |value: fn(&crate::trace::PartialResidual) -> Option<f64>| -> Points {
+        partial_residuals.points.iter().filter_map(|point| Some((point.driver, value(point)? * factor))).collect()
     };
     let mut model = points(|point| Some(point.model));
     model.sort_by(|a, b| a.0.total_cmp(&b.0));
     let partial = points(|point| Some(point.partial));
     let (before, after) = (points(|point| point.before), points(|point| Some(point.after)));
-    let words = [portrait.abscissa.as_str(), ordinate.as_str()];
+    let words = [partial_residuals.abscissa.as_str(), ordinate.as_str()];
     Ok([
         Plot {
             svg: scatter(&[(&partial, AFTER)], &model, words)?,

@@ -40,7 +40,7 @@ impl Whole {
     }
 
     /// Without these columns of effects, which act with these coefficients in the residual.
-    pub fn without(&self, left_out: &[(usize, f64)]) -> Reduced<'_> {
+    pub fn leaving_out(&self, left_out: &[(usize, f64)]) -> Reduced<'_> {
         let rank = self.projector.rank();
         if left_out.is_empty() || rank == 0 {
             return Reduced::nothing(&self.projector);
@@ -153,7 +153,7 @@ mod tests {
                 without.axpy(-times, &effects.column(*column), 1.0);
             }
             let part = loose.beside(&[&effects.select_columns(kept.iter())], &without);
-            let found = whole.without(left_out);
+            let found = whole.leaving_out(left_out);
             assert_eq!(found.rank(), part.rank(), "{left_out:?}");
             assert!((found.rss() - part.rss).abs() < 1e-12, "{left_out:?}: {} {}", found.rss(), part.rss);
             let direct = part.gains(columns.as_slice(), &[1, 2], UNSEEN);

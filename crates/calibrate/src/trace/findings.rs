@@ -3,7 +3,7 @@
 use crate::effects::driver::{Driver, unit_of};
 use crate::effects::model::EffectModel;
 use crate::identify::solve::Fit;
-use crate::trace::portrait::Portrait;
+use crate::trace::partial_residuals::PartialResiduals;
 use crate::trace::search::Scored;
 use crate::trace::select::{State, Tracer};
 use crate::trace::{ScanCell, Value};
@@ -23,14 +23,14 @@ impl Tracer<'_> {
     }
 
     /// What the rows say of each effect of a state.
-    pub(crate) fn portraits(&self, state: &State) -> Vec<Portrait> {
+    pub(crate) fn all_partial_residuals(&self, state: &State) -> Vec<PartialResiduals> {
         if state.chosen.is_empty() {
             return Vec::new();
         }
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
         let bare = self.refitted(Vec::new(), None);
-        (0..state.chosen.len()).map(|index| self.portrait(&scorer, self.linear(&bare), state, index)).collect()
+        (0..state.chosen.len()).map(|index| self.partial_residuals(&scorer, self.linear(&bare), state, index)).collect()
     }
 }
 

@@ -109,7 +109,7 @@ impl Linearised {
 
     /// With all effects.
     pub(crate) fn models(&self) -> Models<'_> {
-        let (loose, firm) = join(|| self.loose().without(&[]), || self.firm().without(&[]));
+        let (loose, firm) = join(|| self.loose().leaving_out(&[]), || self.firm().leaving_out(&[]));
         Models { loose, firm }
     }
 }
@@ -118,7 +118,7 @@ impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let state = self.refitted(Vec::new(), None);
-        self.scan(&self.scored(&state, &self.linearised(&state).loose().without(&[])))
+        self.scan(&self.scored(&state, &self.linearised(&state).loose().leaving_out(&[])))
     }
 
     /// Scores every candidate of the catalogue, in its order, beside loose geometry and all or some of a state's effects.

@@ -377,13 +377,13 @@ impl<'a> Tracer<'a> {
     /// Loose geometry and all effects of a state but those of these indices, and the residual that this would leave: all that finding scanned
     /// numbers takes.
     pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Reduced<'b> {
-        self.linearised(state).loose().without(&state.columns_of(left_out))
+        self.linearised(state).loose().leaving_out(&state.columns_of(left_out))
     }
 
     /// The same on loose geometry and on geometry in its tolerances.
-    fn without<'b>(&self, state: &'b State, left_out: &[usize]) -> Models<'b> {
+    fn models_leaving_out<'b>(&self, state: &'b State, left_out: &[usize]) -> Models<'b> {
         let (at, columns) = (self.linearised(state), state.columns_of(left_out));
-        Models { loose: at.loose().without(&columns), firm: at.firm().without(&columns) }
+        Models { loose: at.loose().leaving_out(&columns), firm: at.firm().leaving_out(&columns) }
     }
 
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
@@ -535,7 +535,7 @@ impl<'a> Tracer<'a> {
         if scored.is_empty() {
             return None;
         }
-        let models = self.without(state, &[index]);
+        let models = self.models_leaving_out(state, &[index]);
         let mut chosen = state.chosen.clone();
         let best = self.best(&scorer, &models, &scored)?;
         let bic = |candidate: &Candidate| scorer.firm_bic(&models, candidate);
@@ -557,7 +557,7 @@ impl<'a> Tracer<'a> {
             if same.len() < 2 || same[0] != first {
                 continue;
             }
-            let models = self.without(state, &same);
+            let models = self.models_leaving_out(state, &same);
             let mut columns = Vec::new();
             let mut scanned = 0;
             for &index in &same {
@@ -589,18 +589,18 @@ impl<'a> Tracer<'a> {
             }
             let linear = self.linear(&state);
             let scorer = self.scorer(linear);
-            let leftover = unexplained::examine(self, &scorer);
-            if !leftover.structured {
+            let unexplained = unexplained::examine(self, &scorer);
+            if !unexplained.structured {
                 break;
             }
-            let structure = linear.loose().beside(&[&leftover.columns], &linear.residual);
+            let structure = linear.loose().beside(&[&unexplained.columns], &linear.residual);
             let beside_structure = Whole::new(&structure, &linear.effects, &linear.residual);
             let effects: Vec<usize> = (0..state.chosen.len()).collect();
             let spurious = in_parallel(&effects, |&index| {
                 let alone = scorer.own(&self.loosely_without(&state, &[index]), &state.chosen[index]);
-                let own = scorer.own(&beside_structure.without(&state.columns_of(&[index])), &state.chosen[index]);
-                let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * leftover.drop;
-                (nothing_beside || alone.gain.drop < SPURIOUS * leftover.drop).then_some((own.delta_bic, index))
+                let own = scorer.own(&beside_structure.leaving_out(&state.columns_of(&[index])), &state.chosen[index]);
+                let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * unexplained.drop;
+                (nothing_beside || alone.gain.drop < SPURIOUS * unexplained.drop).then_some((own.delta_bic, index))
             });
             let mut spurious: Vec<(f64, usize)> = spurious.into_iter().flatten().collect();
             if spurious.is_empty() {

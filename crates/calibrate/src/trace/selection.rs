@@ -17,7 +17,7 @@ use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::trace::select::{Proposals, State, Tracer, same_terms};
 use crate::trace::unexplained::{self, Block, UnexplainedStructure};
-use crate::trace::{Finding, Portrait, Trace, TraceOptions};
+use crate::trace::{Finding, PartialResiduals, Trace, TraceOptions};
 use std::sync::Arc;
 
 /// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
@@ -128,10 +128,12 @@ pub(crate) fn trace(
         Some(model) => fitted[model].clone(),
         None => with(&kept, &found.states[0].fit, data, &survey),
     };
-    let (leftover, portraits) =
-        join(|| remains(tracer, &on_rows(&last.fit, data, rows)), || tracer.portraits(&tracer.refitted(kept, None)));
-    let spurious = spurious(&judged, &leftover, (&tracers, &thinnings), data, &last.fit);
-    let findings = findings(judged, portraits, &spurious, &last.fit);
+    let (unexplained, partial_residuals) = join(
+        || remains(tracer, &on_rows(&last.fit, data, rows)),
+        || tracer.all_partial_residuals(&tracer.refitted(kept, None)),
+    );
+    let spurious = spurious(&judged, &unexplained, (&tracers, &thinnings), data, &last.fit);
+    let findings = findings(judged, partial_residuals, &spurious, &last.fit);
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
@@ -142,7 +144,7 @@ pub(crate) fn trace(
         findings,
         candidates: tracer.candidates.len(),
         scan: found.scan,
-        leftover,
+        unexplained,
         open: open.map(Arc::new),
     }
 }
@@ -161,17 +163,17 @@ fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<O
 /// other rows.
 fn spurious(
     judged: &[Judged],
-    leftover: &UnexplainedStructure,
+    unexplained: &UnexplainedStructure,
     (tracers, thinnings): (&[Tracer<'_>], &[Vec<usize>]),
     data: &Measurements,
     fit: &Fit<EffectModel>,
 ) -> Vec<bool> {
-    if judged.is_empty() || !leftover.structured {
+    if judged.is_empty() || !unexplained.structured {
         return vec![false; judged.len()];
     }
     let others: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(thinnings).skip(1).collect();
     let drops = in_parallel(&others, |(tracer, rows)| remains(tracer, &on_rows(fit, data, rows)).drop);
-    let drop = (leftover.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
+    let drop = (unexplained.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
     judged.iter().map(|one| outweighed(one, drop)).collect()
 }
 
@@ -197,10 +199,15 @@ fn outweighed(one: &Judged, drop: f64) -> bool {
 }
 
 /// What was judged, with the numbers that it has in the fit: its effects come first there.
-fn findings(judged: Vec<Judged>, portraits: Vec<Portrait>, spurious: &[bool], fit: &Fit<EffectModel>) -> Vec<Finding> {
+fn findings(
+    judged: Vec<Judged>,
+    partial_residuals: Vec<PartialResiduals>,
+    spurious: &[bool],
+    fit: &Fit<EffectModel>,
+) -> Vec<Finding> {
     let mut first = fit.layout.effects.start;
     let mut findings = Vec::new();
-    for ((index, one), portrait) in judged.into_iter().enumerate().zip(portraits) {
+    for ((index, one), partial_residuals) in judged.into_iter().enumerate().zip(partial_residuals) {
         findings.push(Finding {
             term: one.candidate.term.clone(),
             place: one.candidate.term.carrier.place(&fit.effects.statics.chain),
@@ -211,7 +218,7 @@ fn findings(judged: Vec<Judged>, portraits: Vec<Portrait>, spurious: &[bool], fi
             p_value: one.log_absent.exp(),
             delta_bic: 2.0 * one.gain,
             rivals: one.rivals,
-            portrait,
+            partial_residuals,
         });
         first += fit.effects.effects[index].coefficients.len();
     }

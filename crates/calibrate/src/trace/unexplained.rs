@@ -105,34 +105,34 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Unexplained
     let mut open: Vec<usize> = (0..blocks.len()).collect();
     let mut taken = DMatrix::zeros(linear.residual.len(), 0);
     let mut projector = linear.loose().beside(&[&linear.effects], &linear.residual);
-    let mut leftover = UnexplainedStructure::default();
+    let mut unexplained = UnexplainedStructure::default();
     for round in 0..MOST_BLOCKS {
         let mut scored = gains(linear, &projector, blocks, &open);
         // By how far each is beyond chance: probabilities of strong structure all round to zero.
         let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
         scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
-        let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return leftover };
+        let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return unexplained };
         let corrected = (least * tests).min(1.0);
         if round == 0 {
-            leftover.p_value = corrected;
-            leftover.structured = corrected < tracer.options.false_claims;
+            unexplained.p_value = corrected;
+            unexplained.structured = corrected < tracer.options.false_claims;
         }
         if corrected >= tracer.options.false_claims {
             break;
         }
         let (_, gain, best) = scored[0];
-        leftover.drop += gain.drop;
+        unexplained.drop += gain.drop;
         // What explains little in the first round explains little in the next.
         open = scored.iter().take(STILL_OPEN).map(|(_, _, index)| *index).collect();
         let block = &blocks[best];
-        leftover.blocks.push(block.clone());
+        unexplained.blocks.push(block.clone());
         let acting = block.carrier.joint().map(Variable::Joint);
         for variable in acting.iter().chain(&block.variables) {
             let place = variable.place(tracer, gain.drop / linear.residual.norm_squared());
             let known =
-                leftover.places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
-            if !known && leftover.places.len() < LISTED {
-                leftover.places.push(place);
+                unexplained.places.iter().any(|other| other.joint == place.joint && other.covariate == place.covariate);
+            if !known && unexplained.places.len() < LISTED {
+                unexplained.places.push(place);
             }
         }
         let (columns, before) = (block.columns(scorer), taken.ncols());
@@ -140,8 +140,8 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Unexplained
         taken = taken.resize_horizontally(before + columns.ncols(), 0.0);
         taken.columns_mut(before, columns.ncols()).copy_from(&columns);
     }
-    leftover.columns = taken;
-    leftover
+    unexplained.columns = taken;
+    unexplained
 }
 
 /// These structures as the tracer's rows have them.

@@ -50,7 +50,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         let mut source = common.clone();
         let mut names = source::sources(&arguments.files, &mut source)?;
         names.extend(beside.iter().cloned());
-        names.into_iter().map(|name| Asked { name, source: source.clone() }).collect()
+        names.into_iter().map(|name| NamedSource { name, source: source.clone() }).collect()
     };
     let source = asked.first().map_or_else(|| common.clone(), |asked| asked.source.clone());
     let names: Vec<String> = asked.iter().map(|asked| asked.name.clone()).collect();
@@ -88,13 +88,13 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
 }
 
 /// A source that is to be checked, and how it is read.
-struct Asked {
+struct NamedSource {
     name: String,
     source: SourceArguments,
 }
 
 /// The robots that `denavit.toml` names.
-fn named(project: Option<&Project>, common: &SourceArguments) -> Result<Vec<Asked>, Failure> {
+fn named(project: Option<&Project>, common: &SourceArguments) -> Result<Vec<NamedSource>, Failure> {
     let robots = project.map(|project| &project.robots[..]).unwrap_or_default();
     if robots.is_empty() {
         return Err(Failure::Argument(
@@ -109,7 +109,7 @@ fn named(project: Option<&Project>, common: &SourceArguments) -> Result<Vec<Aske
         let mut source = common.clone();
         source.values = robot.arguments.iter().map(|(name, value)| format!("{name}:={value}")).collect();
         source.package_path.extend(project.into_iter().flat_map(|project| project.package_path.clone()));
-        Asked { name: path.to_string_lossy().into_owned(), source }
+        NamedSource { name: path.to_string_lossy().into_owned(), source }
     };
     Ok(robots.iter().map(asked).collect())
 }
@@ -186,9 +186,9 @@ impl<'a> Checked<'a> {
         Self { arguments, beside, files, robots, fixed: Fixed::new(), any_is_xacro: false, unread: 0 }
     }
 
-    fn all(&mut self, asked: &[Asked]) -> Result<(), Failure> {
+    fn all(&mut self, asked: &[NamedSource]) -> Result<(), Failure> {
         let mut later = Vec::new();
-        for Asked { name, source } in asked {
+        for NamedSource { name, source } in asked {
             let (file, written) = match source::read_text(name) {
                 Ok(read) => read,
                 Err(failure) => {
@@ -252,7 +252,7 @@ impl<'a> Checked<'a> {
     }
 
     /// A file that cannot be read keeps nobody from the findings of the others.
-    fn go_on_without(&mut self, failure: Failure, asked: &[Asked]) -> Result<(), Failure> {
+    fn go_on_without(&mut self, failure: Failure, asked: &[NamedSource]) -> Result<(), Failure> {
         if asked.len() == 1 {
             return Err(failure);
         }

@@ -39,7 +39,7 @@ pub fn run(arguments: &HandEyeArguments) -> Result<Status, Failure> {
         })
     };
     delivery.deliver(own, || Ok(report::json(&found, lines)))?;
-    Ok(if found.unknown.is_none() && found.settled { Status::Same } else { Status::Different })
+    Ok(if found.unknown.is_none() && found.converged { Status::Same } else { Status::Different })
 }
 
 /// The file, and the line where one row is at fault.

@@ -134,7 +134,7 @@ impl Reader<'_> {
     fn read(&mut self, bytes: &[u8], is_all: bool) -> Result<Measurements, DataError> {
         let loaded = read_export(&self.name, bytes, self.chain, self.units, &self.import)?;
         // What other notes say of all rows is not so yet.
-        for note in loaded.notes.iter().filter(|note| matches!(note, DataNote::Taken(_))) {
+        for note in loaded.notes.iter().filter(|note| matches!(note, DataNote::ReadAs(_))) {
             let note = format!("{}: {note}", self.name);
             if !self.said.contains(&note) {
                 output::mention(&note);

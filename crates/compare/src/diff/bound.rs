@@ -10,7 +10,7 @@
 //! more than the difference of both unit twists, seen from behind the joint, moves a point of the ball. The box of
 //! joint values is halved where that helps most, until the bound is near a value that is reached.
 
-use crate::diff::steps::{Motor, Step, Way};
+use crate::diff::steps::{Motor, Step, TipPath};
 use crate::mechanism::Interval;
 use denavit_model::Screw;
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
@@ -25,8 +25,8 @@ const HALVINGS: usize = 1500;
 /// more, only the gap between where both tips can be at all is known.
 const MOTIONS: usize = 20_000_000;
 
-/// An upper bound for [`Way::displacement`] over the intervals, m.
-pub(crate) fn upper(way: &Way, intervals: &[Interval]) -> f64 {
+/// An upper bound for [`TipPath::displacement`] over the intervals, m.
+pub(crate) fn upper(way: &TipPath, intervals: &[Interval]) -> f64 {
     let changed = way.steps.iter().filter(|step| !step.still).count();
     let halvings = (MOTIONS / (way.steps.len() * changed).max(1)).min(HALVINGS);
     let steps = if halvings == 0 {
@@ -76,7 +76,7 @@ impl Ord for Cell {
     }
 }
 
-fn step_upper(way: &Way, index: usize, intervals: &[Interval], halvings: usize) -> f64 {
+fn step_upper(way: &TipPath, index: usize, intervals: &[Interval], halvings: usize) -> f64 {
     if way.steps[index].still {
         return 0.0;
     }
@@ -110,7 +110,7 @@ fn step_upper(way: &Way, index: usize, intervals: &[Interval], halvings: usize) 
 }
 
 /// The bound over a box, the displacement at its middle, and the coordinate to halve next.
-fn bounds(way: &Way, index: usize, cell: &[(f64, f64)]) -> (f64, f64, usize) {
+fn bounds(way: &TipPath, index: usize, cell: &[(f64, f64)]) -> (f64, f64, usize) {
     let middle: Vec<f64> = cell.iter().map(|(lower, upper)| 0.5 * (lower + upper)).collect();
     let mut growth = vec![0.0; cell.len()];
     let mut ball = Ball { centre: way.tip_a, radius: 0.0 };

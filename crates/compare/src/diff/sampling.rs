@@ -1,6 +1,6 @@
 //! The largest displacement that is found: a low-discrepancy sequence, then ascent from the best of it.
 
-use crate::diff::steps::Way;
+use crate::diff::steps::TipPath;
 use crate::mechanism::Interval;
 use denavit_model::CompiledChain;
 use denavit_model::nalgebra::Point3;
@@ -61,7 +61,7 @@ const MOTIONS: usize = 40_000_000;
 const ROUNDS: usize = 12;
 
 /// The largest displacement over the intervals; `zero` (every coordinate at 0 or at the nearest limit) is looked at first.
-pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u64) -> Largest {
+pub(crate) fn largest(way: &TipPath, intervals: &[Interval], samples: usize, seed: u64) -> Largest {
     let zero: Vec<f64> = intervals.iter().map(|i| 0.0f64.clamp(i.lower, i.upper)).collect();
     let used = way.coordinates();
     let at_zero = Largest { displacement: way.displacement(&zero), q: zero.clone() };
@@ -80,7 +80,7 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
     best.truncate(STARTS);
     // Each coordinate of each start has its share of what is left; where that is too little, the samples stand alone.
     let tries = configurations / (2 * STARTS) / PER_COORDINATE;
-    let climbed = best.into_iter().map(|start| climb(way, intervals, &used, start, tries));
+    let climbed = best.into_iter().map(|start| ascend(way, intervals, &used, start, tries));
     let larger = |one: Largest, other: Largest| if other.displacement > one.displacement { other } else { one };
     let found = climbed.fold(at_zero.clone(), larger);
     // Where the displacement is the same everywhere, rounding would choose the place.
@@ -88,7 +88,7 @@ pub(crate) fn largest(way: &Way, intervals: &[Interval], samples: usize, seed: u
 }
 
 /// The used coordinates' values at the places of the sequence where the tip is displaced most, the largest first.
-fn sampled(way: &Way, intervals: &[Interval], used: &[usize], samples: usize, seed: u64) -> Vec<Vec<f64>> {
+fn sampled(way: &TipPath, intervals: &[Interval], used: &[usize], samples: usize, seed: u64) -> Vec<Vec<f64>> {
     let sequence = LowDiscrepancy::new(used.len(), seed);
     let ranges: Vec<(f64, f64)> =
         used.iter().map(|coordinate| (intervals[*coordinate].lower, intervals[*coordinate].upper)).collect();
@@ -114,7 +114,7 @@ fn sampled(way: &Way, intervals: &[Interval], used: &[usize], samples: usize, se
 
 /// How far apart both tips are at many configurations.
 struct Displacements<'a> {
-    way: &'a Way,
+    way: &'a TipPath,
     used: &'a [usize],
     compiled: Option<[CompiledChain; 2]>,
     tips: [Vec<Point3<f64>>; 2],
@@ -123,7 +123,7 @@ struct Displacements<'a> {
 }
 
 impl<'a> Displacements<'a> {
-    fn new(way: &'a Way, used: &'a [usize], coordinates: usize) -> Self {
+    fn new(way: &'a TipPath, used: &'a [usize], coordinates: usize) -> Self {
         let compiled = way.compiled(used);
         Self { way, used, compiled, tips: [Vec::new(), Vec::new()], q: vec![0.0; coordinates], found: Vec::new() }
     }
@@ -151,7 +151,7 @@ impl<'a> Displacements<'a> {
 }
 
 /// Coordinate by coordinate to the best value on the whole interval, until nothing is gained.
-fn climb(way: &Way, intervals: &[Interval], used: &[usize], mut at: Largest, mut tries: usize) -> Largest {
+fn ascend(way: &TipPath, intervals: &[Interval], used: &[usize], mut at: Largest, mut tries: usize) -> Largest {
     for _ in 0..ROUNDS {
         let before = at.displacement;
         for coordinate in used {
@@ -172,7 +172,7 @@ fn climb(way: &Way, intervals: &[Interval], used: &[usize], mut at: Largest, mut
 const PER_COORDINATE: usize = 57;
 
 /// The best of a grid on the interval, then golden section beside it.
-fn improve(way: &Way, interval: &Interval, coordinate: usize, at: &mut Largest) {
+fn improve(way: &TipPath, interval: &Interval, coordinate: usize, at: &mut Largest) {
     const GRID: usize = 8;
     const SECTIONS: usize = 24;
     const GOLDEN: f64 = 0.618_033_988_749_894_9;

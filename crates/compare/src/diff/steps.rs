@@ -38,7 +38,7 @@ pub(crate) struct Step {
 
 /// The way to a tip.
 #[derive(Debug, Clone)]
-pub(crate) struct Way {
+pub(crate) struct TipPath {
     pub steps: Vec<Step>,
     /// The tip in a, root frame at zero, m.
     pub tip_a: Point3<f64>,
@@ -105,7 +105,7 @@ fn narrow(interval: &mut Interval, other: &Interval, run: Reparametrised) {
     interval.limited |= other.limited;
 }
 
-impl Way {
+impl TipPath {
     /// The way to the tip that body `body` of a carries; `None` where the joints do not line up in both.
     pub fn new(
         a: &Mechanism,

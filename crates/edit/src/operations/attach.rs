@@ -101,7 +101,7 @@ fn clashes(robot: &Robot, other: &Robot) -> Result<(), EditError> {
 }
 
 /// What a material is: its colour and texture, without white space.
-fn look(node: Node) -> String {
+fn appearance(node: Node) -> String {
     let parts = node.children().filter(Node::is_element).map(|part| {
         let mut attributes: Vec<String> = part.attributes().map(|of| format!("{}={}", of.name(), of.value())).collect();
         attributes.sort();
@@ -117,7 +117,7 @@ fn is_material(node: &Node) -> bool {
 fn defined(document: &Document) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for node in document.descendants().filter(is_material).filter(|node| node.first_element_child().is_some()) {
-        found.entry(node.attribute("name").unwrap_or_default().to_owned()).or_insert_with(|| look(node));
+        found.entry(node.attribute("name").unwrap_or_default().to_owned()).or_insert_with(|| appearance(node));
     }
     found
 }

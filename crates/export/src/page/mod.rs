@@ -9,9 +9,9 @@
 //! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and writes to the console where there is none.
 //! A [`Solid`] view is laid over it where the caller has one: the explorer's, with shapes; without WebGL the segments stay.
 
-mod climb;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
 mod content;
+mod coordinate_ascent;
 mod index;
 mod motion;
 #[expect(clippy::cast_possible_truncation, reason = "ticks of an axis")]

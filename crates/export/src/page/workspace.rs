@@ -1,6 +1,6 @@
 //! Where the tip can go: sampled over the joint ranges, as outlines seen from the side and from above.
 
-use super::climb::Climb;
+use super::coordinate_ascent::CoordinateAscent;
 use denavit_model::chain::Chain;
 use denavit_model::nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
@@ -120,15 +120,15 @@ fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &
         if index % 2 == 0 {
             outwards.z = 0.0;
         }
-        let mut climb = Climb::new(chain, ranges, posture.clone());
+        let mut ascent = CoordinateAscent::new(chain, ranges, posture.clone());
         for step in [0.15, 0.1, 0.06, 0.04, 0.03, 0.02, 0.015, 0.01, 0.006, 0.004, 0.002, 0.001] {
-            climb.pass(step, |place| place.coords.dot(&outwards), |_| {});
+            ascent.pass(step, |place| place.coords.dot(&outwards), |_| {});
         }
-        places.push(climb.place());
+        places.push(ascent.place());
         if let Some((lower, upper)) = ranges.first() {
             let spacing = (upper - lower) / f64::from(SWEEP);
-            let offset = (climb.values()[0] - lower).rem_euclid(spacing.max(f64::MIN_POSITIVE));
-            places.extend((0..SWEEP).map(|k| climb.with_first(lower + offset + spacing * f64::from(k))));
+            let offset = (ascent.values()[0] - lower).rem_euclid(spacing.max(f64::MIN_POSITIVE));
+            places.extend((0..SWEEP).map(|k| ascent.with_first(lower + offset + spacing * f64::from(k))));
         }
     }
 }
@@ -142,22 +142,22 @@ fn additive_steps(count: usize) -> Vec<f64> {
     (1..=count).map(|k| phi.powi(-i32::try_from(k).unwrap_or(i32::MAX))).collect()
 }
 
-/// Passes of the climb to the farthest place; arms of few joints need some dozens.
+/// Passes of the ascent to the farthest place; arms of few joints need some dozens.
 const PASSES: usize = 400;
 
 /// Climbs from the farthest posture, one coordinate at a time, with smaller and smaller steps.
 fn farther(chain: &Chain, ranges: &[(f64, f64)], q: Vec<f64>, places: &mut Vec<Point3<f64>>) -> f64 {
-    let mut climb = Climb::new(chain, ranges, q);
+    let mut ascent = CoordinateAscent::new(chain, ranges, q);
     let mut step = 0.25;
     for _ in 0..PASSES {
         if step <= 1e-6 {
             break;
         }
-        if !climb.pass(step, |place| place.coords.norm(), |place| places.push(place)) {
+        if !ascent.pass(step, |place| place.coords.norm(), |place| places.push(place)) {
             step *= 0.5;
         }
     }
-    climb.place().coords.norm()
+    ascent.place().coords.norm()
 }
 
 fn outline(points: Vec<(f64, f64)>) -> Outline {

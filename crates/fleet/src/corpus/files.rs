@@ -80,7 +80,7 @@ pub fn robots_in(folder: &Path) -> Result<Vec<String>, FleetError> {
 }
 
 /// What a file is, at a tolerance of its fingerprint.
-pub(super) fn look(name: &str, tolerance: f64) -> CorpusFile {
+pub(super) fn examine(name: &str, tolerance: f64) -> CorpusFile {
     let read = catch_unwind(AssertUnwindSafe(|| {
         let (file, text) = denavit_load::read_text(name).map_err(plain)?;
         look_at(&file, &text, tolerance)

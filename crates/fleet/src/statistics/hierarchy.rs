@@ -130,7 +130,7 @@ impl Hierarchy {
     }
 
     /// The same learned on from here without one of the robots: the drawing's pattern, and what it counts as, stay.
-    pub fn without(&self, robots: &[&RobotInformation], left_out: usize, sources: &[DMatrix<f64>]) -> Option<Self> {
+    pub fn leaving_out(&self, robots: &[&RobotInformation], left_out: usize, sources: &[DMatrix<f64>]) -> Option<Self> {
         if robots.len() <= LEAST_ROBOTS {
             return None;
         }
@@ -402,7 +402,7 @@ mod tests {
                 let all: Vec<&RobotInformation> = measured.iter().collect();
                 let found = Hierarchy::of(&all, &sources()).unwrap();
                 let of = |robot: usize| {
-                    let (mean, covariance) = found.without(&all, robot, &sources()).unwrap().next();
+                    let (mean, covariance) = found.leaving_out(&all, robot, &sources()).unwrap().next();
                     let precision = inverse(&covariance).unwrap();
                     let known = inverse(&(&measured[robot].information + &precision)).unwrap();
                     (known * (&measured[robot].pull + precision * mean) - &truth[robot]).norm_squared()

@@ -37,7 +37,7 @@ pub(super) fn merged(text: &str, before: &Robot, after: &Robot) -> Option<Merged
             }
         }
     }
-    let (text, changes) = edits.made()?;
+    let (text, changes) = edits.finished()?;
     Some(Merged { text, changes, lost: Vec::new() })
 }
 

@@ -43,6 +43,6 @@ pub(super) fn merged(text: &str, before: &Robot, after: &Robot) -> Option<Merged
             edits.set(node, "inertia", format!("<inertia>{entries}</inertia>"));
         }
     }
-    let (text, changes) = edits.made()?;
+    let (text, changes) = edits.finished()?;
     Some(Merged { text, changes, lost: Vec::new() })
 }

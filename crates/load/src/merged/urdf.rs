@@ -23,7 +23,7 @@ pub(super) fn merged(file: &str, text: &str, before: &Robot, after: &Robot) -> O
     if !source.source.declared.is_empty() {
         edits.replace(source.source.declared.clone(), "");
     }
-    let (text, _) = edits.made()?;
+    let (text, _) = edits.finished()?;
     let text = source.source.dropped_before.clone() + &text;
     urdf::read(file, &text).ok()?;
     Some(Merged { text, changes, lost })

@@ -14,12 +14,12 @@ pub(crate) fn passed(session: &Session, at: &Spot, name: &str) -> Vec<Spot> {
     }
     files.sort();
     files.dedup();
-    let mut way = Way { session, files, name, seen: Vec::new(), found: Vec::new() };
-    way.follow(at);
-    way.found
+    let mut follower = Follower { session, files, name, seen: Vec::new(), found: Vec::new() };
+    follower.follow(at);
+    follower.found
 }
 
-struct Way<'a> {
+struct Follower<'a> {
     session: &'a Session,
     files: Vec<PathBuf>,
     name: &'a str,
@@ -27,7 +27,7 @@ struct Way<'a> {
     found: Vec<Spot>,
 }
 
-impl Way<'_> {
+impl Follower<'_> {
     /// Goes from a use to what gives it its value.
     fn follow(&mut self, at: &Spot) {
         if self.seen.contains(at) {

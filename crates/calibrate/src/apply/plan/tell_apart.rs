@@ -201,7 +201,7 @@ fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     let series: Vec<usize> = last
         .map_or_else(Vec::new, |row| data.of_row(row).map(|observation| data.observed.series(observation)).collect());
     let held = series.iter().map(|&series| data.scene.series[series].kind).find(|kind| kind.holds_the_target());
-    held.map_or(Ok(series), |kind| Err(PlanError::Held(kind)))
+    held.map_or(Ok(series), |kind| Err(PlanError::InContact(kind)))
 }
 
 /// The columns of rows to come: what `told` says, else what stood in the last row; run order continues.

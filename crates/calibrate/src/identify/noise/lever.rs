@@ -18,7 +18,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// Scoring steps; each gains some two digits.
 const STEPS: usize = 6;
 /// A step of this share of the lever's standard deviation is the last.
-const SETTLED: f64 = 0.05;
+const CONVERGED: f64 = 0.05;
 /// A step is not cut shorter than this share of it.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -62,7 +62,7 @@ impl Arms {
         let mut at = start;
         let mut scored = self.scored(reml, variances, &at)?;
         for _ in 0..STEPS {
-            if scored.step.component_div(&scored.std).amax() < SETTLED {
+            if scored.step.component_div(&scored.std).amax() < CONVERGED {
                 break;
             }
             let mut share = 1.0;
@@ -131,7 +131,7 @@ pub(super) struct Found {
 impl Found {
     /// Whether it is where the one before was.
     pub fn same(&self, before: &Self) -> bool {
-        (self.at - before.at).component_div(&self.std).amax() < SETTLED
+        (self.at - before.at).component_div(&self.std).amax() < CONVERGED
     }
 }
 

@@ -110,7 +110,7 @@ impl Tied {
 
     /// The same, but a source adds nothing. Its number is left in place, without meaning.
     #[must_use]
-    pub fn without(&self, number: usize) -> Self {
+    pub fn at_zero(&self, number: usize) -> Self {
         let of = self.of.iter().map(|of| of.filter(|(own, _)| *own != number)).collect();
         Self { of, count: self.count }
     }

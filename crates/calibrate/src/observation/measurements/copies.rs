@@ -64,7 +64,7 @@ impl Measurements {
 
     /// The rows without those of these indices, and without what only those spoke of.
     #[must_use]
-    pub fn without(&self, rows: &[usize]) -> Self {
+    pub fn leaving_out(&self, rows: &[usize]) -> Self {
         let mut left_out = vec![false; self.len()];
         for row in rows {
             left_out[*row] = true;

@@ -50,7 +50,7 @@ pub struct Loaded {
 #[non_exhaustive]
 pub enum DataNote {
     /// How the file was read, or what one of its columns was taken for.
-    Taken(String),
+    ReadAs(String),
     /// A target that repeats another in every row: counted once.
     DuplicateTarget {
         /// The one left out.
@@ -92,7 +92,7 @@ pub enum DataNote {
 impl fmt::Display for DataNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Taken(said) => f.write_str(said),
+            Self::ReadAs(said) => f.write_str(said),
             Self::DuplicateTarget { target, of } => {
                 write!(f, "target {target} repeats target {of} in every row; it is counted once")
             }
@@ -155,7 +155,7 @@ pub fn read_export(
     let units = if converted { Units::default() } else { units };
     let mut loaded = read_contract(source, text.as_bytes(), chain, units, options)?;
     loaded.data.angles = angles.filter(|angles| angles.numbers.len() == loaded.data.len());
-    loaded.notes.splice(0..0, taken.into_iter().map(DataNote::Taken));
+    loaded.notes.splice(0..0, taken.into_iter().map(DataNote::ReadAs));
     for (line, what) in ignored {
         loaded.inventory.report(Place { file: source.into(), line, element: "not read".into() }, what);
     }
@@ -226,7 +226,7 @@ fn read_contract(
     }
     let mut loaded = table.finish(chain, problems)?;
     if foreign.get() {
-        loaded.notes.insert(0, DataNote::Taken(format!("text in {}", WINDOWS_1252.name())));
+        loaded.notes.insert(0, DataNote::ReadAs(format!("text in {}", WINDOWS_1252.name())));
     }
     Ok(loaded)
 }

@@ -425,7 +425,7 @@ impl Contest<'_> {
                     let of_these = first..first + alike.len();
                     first += alike.len();
                     let bare = alike.iter().all(|change| change.into.is_none());
-                    let left = alike[0].out.map(|out| taken.without(own.places_of(&members[out]), !bare));
+                    let left = alike[0].out.map(|out| taken.leaving_out(own.places_of(&members[out]), !bare));
                     let left = match &left {
                         Some(fewer) => fewer.as_ref(),
                         None => Some(&taken.left),
@@ -836,7 +836,7 @@ impl Remainder {
 impl Downdated<'_> {
     /// What is left without some of the set's columns, these places in it. What they take beyond the others are the shares along their
     /// columns of L⁻¹, made orthogonal; that is given back, where the other columns are of interest. None where the system is not positive.
-    fn without(&self, places: Range<usize>, others: bool) -> Option<Remainder> {
+    fn leaving_out(&self, places: Range<usize>, others: bool) -> Option<Remainder> {
         let (all, count) = (self.ground.width, self.pivots.len());
         let mut left = if others { self.left.clone() } else { self.left.bare() };
         let mut roots: Vec<Vec<f64>> = Vec::with_capacity(places.len());

@@ -1,7 +1,7 @@
 //! Joint error curves, fitted together with geometry, frames and the effects that are known: linearise, maximise the marginal
 //! likelihood, step, and again.
 
-mod left_over;
+mod channel_misfit;
 
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Candidate;
@@ -42,10 +42,10 @@ const FEWEST_WAVES: usize = 48;
 /// anything, but where an effect bends the model.
 const ROUNDS: usize = 10;
 /// A round that gains less than this changes no probability by a tenth.
-const SETTLED: f64 = 0.1;
+const CONVERGED: f64 = 0.1;
 /// Nor does one count that gains less than this times the root of the number of values: the noise then changes by a quarter
 /// of its standard deviation, and rows at the edge of being outliers come and go. The step of that round is taken still.
-const SETTLED_NOISE: f64 = 0.25;
+const CONVERGED_NOISE: f64 = 0.25;
 /// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
 /// one after the other, and each long beside the time over which a run's errors are alike.
 const STRETCHES: usize = 4;
@@ -110,7 +110,7 @@ pub(crate) fn fit_curves_near(
 ) -> CurveFit {
     let (with, begun) = with_deflections(survey, data, fit, reference, options, near);
     let state = State::new(survey, data, &with);
-    let found = settled(data, state, reference, options, begun.as_ref(), near);
+    let found = until_converged(data, state, reference, options, begun.as_ref(), near);
     let found = found.filter(|found| !found.state.joints.is_empty());
     let found = found.and_then(|found| found.finish(data, reference, fit.effects.effects.len()));
     // Without a curve the fit is as it was given.
@@ -124,21 +124,21 @@ pub(crate) fn fit_curves_near(
 }
 
 /// A state with the hyperparameters that it was fitted with, and how its numbers are unsure where the last step was taken.
-struct Settled {
+struct Converged {
     state: State,
     hyper: Hyperparameters,
     posterior: Option<Posterior>,
 }
 
-/// Rounds from a state on until the score settles: `None` where the system cannot be solved.
-fn settled(
+/// Rounds from a state on until the score converges: `None` where the system cannot be solved.
+fn until_converged(
     data: &Measurements,
     mut state: State,
     reference: &Arm,
     options: CurveOptions,
     begun: Option<&Hyperparameters>,
     near: &[Curve],
-) -> Option<Settled> {
+) -> Option<Converged> {
     let mut found: Option<(f64, Hyperparameters)> = None;
     let mut posterior = None;
     for _ in 0..ROUNDS {
@@ -164,15 +164,15 @@ fn settled(
         let said = here.posterior();
         round.step(data, &mut state, &hyper, &said);
         posterior = Some(said);
-        let enough = SETTLED.max(SETTLED_NOISE * (round.linear.values() as f64).sqrt());
-        let settled = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
+        let enough = CONVERGED.max(CONVERGED_NOISE * (round.linear.values() as f64).sqrt());
+        let converged = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
-        state.fit.converged = settled;
-        if settled {
+        state.fit.converged = converged;
+        if converged {
             break;
         }
     }
-    found.map(|(_, hyper)| Settled { state, hyper, posterior })
+    found.map(|(_, hyper)| Converged { state, hyper, posterior })
 }
 
 /// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.
@@ -249,7 +249,7 @@ impl State {
     }
 }
 
-impl Settled {
+impl Converged {
     /// The fit with the covariance and noise of the whole model. From number `first` on its effects are what joints give under gravity.
     fn finish(self, data: &Measurements, reference: &Arm, first: usize) -> Option<CurveFit> {
         let Self { mut state, hyper, posterior: last } = self;
@@ -636,16 +636,16 @@ impl Round {
         };
         (fit.arm, fit.effects) = (arm, effects);
         // Noise of each channel from what is left over the values that are left.
-        let left_over = self.left_over(data, state, (posterior, &curves), (-hyper.log_noise).exp());
+        let channel_misfits = self.channel_misfits(data, state, (posterior, &curves), (-hyper.log_noise).exp());
         let fit = &mut state.fit;
         let mut levels = fit.noise.levels.clone();
-        for (level, channel) in levels.iter_mut().zip(&left_over) {
+        for (level, channel) in levels.iter_mut().zip(&channel_misfits) {
             let free = (channel.count - channel.used).max(1.0);
             *level *= (channel.misfit / free).max(f64::MIN_POSITIVE).sqrt();
         }
         fit.noise = Noise { levels };
-        fit.parameters_used = left_over.iter().map(|channel| channel.used).collect();
-        fit.values = left_over.iter().map(|channel| channel.count).collect();
+        fit.parameters_used = channel_misfits.iter().map(|channel| channel.used).collect();
+        fit.values = channel_misfits.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
     }

@@ -78,16 +78,16 @@ pub fn from_afar(
     let scores = each_alone(&starts, |at| model.score(at));
     let scored = starts.into_iter().zip(scores).filter_map(|(at, score)| Some((score?, at)));
     let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    climb(model, &best.1, &bounds, negligible)
+    ascend(model, &best.1, &bounds, negligible)
 }
 
 /// The same near a start.
 pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) -> Option<(Slope, Hyperparameters)> {
-    climb(model, start, &Bounds::new(model), negligible)
+    ascend(model, start, &Bounds::new(model), negligible)
 }
 
 /// Newton's steps between bounds, uphill, with the average information in the place of the curvature.
-fn climb(
+fn ascend(
     model: &Model<'_>,
     start: &Hyperparameters,
     bounds: &Bounds,

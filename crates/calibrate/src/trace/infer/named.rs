@@ -242,7 +242,7 @@ pub(crate) fn judge(
         [set.clone(), predictor.set.clone()].into_iter().chain(starts.iter().cloned()).chain([Vec::new()]).collect();
     let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
     let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
-    let probability = |name: &Name| masses.with(name).exp();
+    let probability = |name: &Name| masses.log_present(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
     let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|set, name| holds(set, name));
     let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
@@ -258,7 +258,7 @@ pub(crate) fn judge(
             gains.push(gain(&seen));
             let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, |set| holds(set, mine)) };
             let (probability, instead) = (probability(mine), masses.rivals(mine));
-            let predicting = || likely(predicting().with(mine).exp(), &predicting().rivals(mine));
+            let predicting = || likely(predicting().log_present(mine).exp(), &predicting().rivals(mine));
             // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
             let predicts = predictor.set.contains(&member)
                 && predicting()
@@ -267,7 +267,7 @@ pub(crate) fn judge(
             Judged {
                 candidate: candidates[member].clone(),
                 probability,
-                log_absent: masses.without(mine),
+                log_absent: masses.log_absent(mine),
                 found_again: found_again.min(found_elsewhere),
                 gain: gains.iter().sum::<f64>() / gains.len() as f64,
                 rivals: instead,
@@ -462,12 +462,12 @@ impl<'a> Masses<'a> {
     }
 
     /// The same of sets that hold a name, and of those that do not.
-    fn with(&self, name: &Name) -> f64 {
+    fn log_present(&self, name: &Name) -> f64 {
         let own = &self.holds[self.place(name)];
         self.mass(|set| own[set])
     }
 
-    fn without(&self, name: &Name) -> f64 {
+    fn log_absent(&self, name: &Name) -> f64 {
         let own = &self.holds[self.place(name)];
         self.mass(|set| !own[set])
     }
@@ -475,7 +475,7 @@ impl<'a> Masses<'a> {
     /// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
     fn rivals(&self, mine: &Name) -> Vec<Alternative> {
         let own = &self.holds[self.place(mine)];
-        let (present, absent) = (self.with(mine), self.without(mine));
+        let (present, absent) = (self.log_present(mine), self.log_absent(mine));
         let mut rivals: Vec<Alternative> = Vec::new();
         if absent.exp() <= RIVAL {
             return rivals;

@@ -62,7 +62,7 @@ impl Growing {
         match self {
             Self::Whole(name) => Ok(News::End(source::read_bytes(name)?.1)),
             Self::File(file) => {
-                let news = file.look()?;
+                let news = file.poll()?;
                 if matches!(news, News::Nothing) {
                     thread::sleep(most);
                 }
@@ -104,7 +104,7 @@ impl File {
         Self { name: name.into(), given: Vec::new(), seen: None, is_missing: false }
     }
 
-    fn look(&mut self) -> Result<News, Failure> {
+    fn poll(&mut self) -> Result<News, Failure> {
         let unreadable = |error: io::Error| Failure::Argument(format!("{}: cannot be read: {error}", self.name));
         let found = fs::metadata(&self.name).and_then(|found| {
             let seen = (found.len(), found.modified().ok());
@@ -175,7 +175,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.csv");
         let mut file = File::new(path.to_str().unwrap());
-        let mut next = || match file.look().unwrap() {
+        let mut next = || match file.poll().unwrap() {
             News::Nothing => "nothing".to_owned(),
             News::Said(what) => what.rsplit_once(": ").unwrap().1.to_owned(),
             News::Anew(why) => why,

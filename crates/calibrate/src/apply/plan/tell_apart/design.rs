@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
 /// cause must be found again on halves of the rows, whose evidence differs by as much as that of another run; with half of it this is 0.02.
-const SETTLED: f64 = 4e-4;
+const DECIDED: f64 = 4e-4;
 /// A pose must lower the logarithm of the bound by this much, or it is better spent on the prediction: twenty of them would not
 /// change odds by a sixth.
 const LEAST_STEP: f64 = 2e-3;
@@ -244,7 +244,7 @@ impl<'a> Design<'a> {
         let mut open = self.offered.predicted.len() > 1;
         while self.chosen.len() < count {
             let here = if open { self.log_bound(None) } else { f64::NEG_INFINITY };
-            open &= here > SETTLED.ln();
+            open &= here > DECIDED.ln();
             let wanted = open && self.chosen.len() == 2 * places.len();
             let tells = if wanted { self.best(|row| -self.log_bound(Some(row))) } else { None };
             let tells = tells.filter(|(_, bound)| *bound > LEAST_STEP - here);

@@ -8,11 +8,11 @@ use crate::trace::infer::curves::{Round, State};
 use crate::trace::infer::evidence::Posterior;
 
 /// Rows that say which channel's values the numbers use up.
-const ROWS_DEALT_BY: usize = 128;
+const ROWS_SAMPLED: usize = 128;
 
 /// What a channel's values tell of its noise.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct LeftOver {
+pub(super) struct ChannelMisfit {
     /// Squares of what is left, in units of the noise that it had.
     pub misfit: f64,
     /// Values, weighted.
@@ -23,15 +23,15 @@ pub(super) struct LeftOver {
 
 impl Round {
     /// What is left of each channel at the posterior's mean, which the curves have, and how many values the numbers use up in each: all of them as the
-    /// products say, dealt to the channels as some rows show.
-    pub(super) fn left_over(
+    /// products say, distributed over the channels as some rows show.
+    pub(super) fn channel_misfits(
         &self,
         data: &Measurements,
         state: &State,
         (posterior, curves): (&Posterior, &[Curve]),
         precision: f64,
-    ) -> Vec<LeftOver> {
-        let mut found = vec![LeftOver::default(); data.scene.channels.len()];
+    ) -> Vec<ChannelMisfit> {
+        let mut found = vec![ChannelMisfit::default(); data.scene.channels.len()];
         let mut left = self.explained.clone();
         for (column, mean) in self.plain.iter().zip(&posterior.mean) {
             left.iter_mut().zip(column).for_each(|(left, x)| *left -= x * mean);
@@ -55,15 +55,15 @@ impl Round {
                 2.0 * dot(row, own) - row[i] * own[i]
             })
             .sum();
-        self.deal(state, &covariances, used * precision, &mut found);
+        self.distribute(state, &covariances, used * precision, &mut found);
         found
     }
 
-    /// Deals what the numbers use up to the channels, as they use it in rows spread over the run.
-    fn deal(&self, state: &State, covariances: &[f64], used: f64, channels: &mut [LeftOver]) {
+    /// Distributes what the numbers use up over the channels, as they use it in rows spread over the run.
+    fn distribute(&self, state: &State, covariances: &[f64], used: f64, channels: &mut [ChannelMisfit]) {
         let size = self.gram.size;
         let rows = state.readings.first().map_or(0, Vec::len);
-        let every = rows.div_ceil(ROWS_DEALT_BY).max(1);
+        let every = rows.div_ceil(ROWS_SAMPLED).max(1);
         let some: Vec<usize> =
             (0..self.linear.rows.len()).filter(|&value| self.linear.rows[value].is_multiple_of(every)).collect();
         let mut cells = vec![0.0; some.len() * size];

@@ -13,8 +13,8 @@ const FEELS: f64 = 0.3;
 
 /// What one row says of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PortraitPoint {
-    /// Value of what drives the effect, in [`Portrait::abscissa`]'s unit.
+pub struct PartialResidual {
+    /// Value of what drives the effect, in [`PartialResiduals::abscissa`]'s unit.
     pub driver: f64,
     /// The residual of geometry alone along the effect's direction.
     pub before: Option<f64>,
@@ -28,13 +28,13 @@ pub struct PortraitPoint {
 
 /// An effect, row by row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Portrait {
+pub struct PartialResiduals {
     /// What drives it, with its unit.
     pub abscissa: String,
     /// What the ordinates are, with their unit: SI, or units of the noise.
     pub ordinate: String,
     /// Rows, in run order.
-    pub points: Vec<PortraitPoint>,
+    pub points: Vec<PartialResidual>,
 }
 
 /// One number per row and direction that an effect acts in: what it does there, and with which column.
@@ -46,14 +46,14 @@ struct Along {
 }
 
 impl Tracer<'_> {
-    /// The portrait of one effect of a state; `bare`: geometry alone, linearised.
-    pub(crate) fn portrait(
+    /// The partial residuals of one effect of a state; `bare`: geometry alone, linearised.
+    pub(crate) fn partial_residuals(
         &self,
         scorer: &CandidateScorer<'_>,
         bare: &Linear,
         state: &State,
         index: usize,
-    ) -> Portrait {
+    ) -> PartialResiduals {
         let candidate = &state.chosen[index];
         let coefficients = &state.fit.effects.effects[index].coefficients;
         let values = scorer.driver_values(&candidate.term);
@@ -67,7 +67,7 @@ impl Tracer<'_> {
         let driver = self.abscissa(candidate, &values, count);
         let of_row = |(row, seen): (usize, &Option<(f64, f64)>)| {
             let (left, felt) = (*seen)?;
-            (felt > FEELS * most).then(|| PortraitPoint {
+            (felt > FEELS * most).then(|| PartialResidual {
                 driver: driver.as_ref().map_or(here.amount[row], |(_, values)| values[row]),
                 before: before[row].map(|(left, _)| left),
                 partial: left + here.amount[row],
@@ -86,7 +86,7 @@ impl Tracer<'_> {
             let ordinate = format!("{place} {words}, {unit}").replace(" ,", ",");
             (driver.map_or_else(does, |(abscissa, _)| abscissa), ordinate)
         };
-        Portrait { abscissa, ordinate, points }
+        PartialResiduals { abscissa, ordinate, points }
     }
 
     /// What drives an effect as one number per row, with its name and unit; none where that is several.

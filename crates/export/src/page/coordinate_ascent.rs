@@ -9,7 +9,7 @@ use denavit_model::se3::Pose;
 /// ```text
 /// tip = motion_1 ··· motion_i-1 · motion_i · behind_i+1     the first factors and the last point are known in a pass
 /// ```
-pub(super) struct Climb<'a> {
+pub(super) struct CoordinateAscent<'a> {
     chain: &'a Chain,
     ranges: &'a [(f64, f64)],
     q: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct Climb<'a> {
     alone: Vec<bool>,
 }
 
-impl<'a> Climb<'a> {
+impl<'a> CoordinateAscent<'a> {
     pub fn new(chain: &'a Chain, ranges: &'a [(f64, f64)], q: Vec<f64>) -> Self {
         let mut count = vec![0; ranges.len()];
         for joint in chain.joints() {
@@ -27,9 +27,9 @@ impl<'a> Climb<'a> {
         }
         let alone = count.into_iter().map(|count| count == 1).collect();
         let behind = vec![Point3::origin(); chain.joints().len() + 1];
-        let mut climb = Self { chain, ranges, q, behind, alone };
-        climb.look_back();
-        climb
+        let mut ascent = Self { chain, ranges, q, behind, alone };
+        ascent.look_back();
+        ascent
     }
 
     /// Where the tip is.
@@ -117,17 +117,17 @@ mod tests {
     fn a_pass_comes_where_forward_kinematics_says() {
         let chain = examples::puma_like();
         let ranges: Vec<(f64, f64)> = chain.coordinates().iter().map(denavit_model::Coordinate::range).collect();
-        let mut climb = Climb::new(&chain, &ranges, vec![0.1, 0.2, -0.3, 0.4, -0.5, 0.6]);
+        let mut ascent = CoordinateAscent::new(&chain, &ranges, vec![0.1, 0.2, -0.3, 0.4, -0.5, 0.6]);
         for step in [0.1, 0.05, 0.01] {
-            let mut last = climb.place();
-            let moved = climb.pass(step, |place| place.coords.norm(), |place| last = place);
-            let expected = chain.fk(climb.values()).translation.vector;
+            let mut last = ascent.place();
+            let moved = ascent.pass(step, |place| place.coords.norm(), |place| last = place);
+            let expected = chain.fk(ascent.values()).translation.vector;
             assert!(
-                moved && (climb.place().coords - expected).norm() < 1e-14 && (last.coords - expected).norm() < 1e-14
+                moved && (ascent.place().coords - expected).norm() < 1e-14 && (last.coords - expected).norm() < 1e-14
             );
         }
-        let turned = climb.with_first(0.7);
-        let mut q = climb.values().to_vec();
+        let turned = ascent.with_first(0.7);
+        let mut q = ascent.values().to_vec();
         q[0] = 0.7;
         assert!((turned.coords - chain.fk(&q).translation.vector).norm() < 1e-14);
     }
