@@ -18,6 +18,7 @@ mod hands;
 mod honesty;
 mod identifiability;
 mod incidence;
+mod invariances;
 mod jacobian;
 mod large_files;
 mod loads;
