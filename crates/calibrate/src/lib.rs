@@ -12,7 +12,7 @@
 //! Each room knows those above it. Lengths are m, angles rad, twists angular first. The crate opens no files and prints
 //! nothing.
 //!
-//! The root names the everyday path: [`read`] measurements, [`calibrate`], [`report`] the result. The rooms behind it are private unless the feature
+//! The root names the everyday path: [`read`] measurements, [`calibrate`], [`report()`] the result. The rooms behind it are private unless the feature
 //! `unstable` is on, which also shows fields and methods whose types have no name here. What it opens is for denavit's other crates and
 //! the studies, and changes without notice. [`CalibrationReport::to_json`] writes everything that a report holds.
 
