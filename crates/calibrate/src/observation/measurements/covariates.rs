@@ -4,23 +4,28 @@
 //! elsewhere is an error that names the file, the column and the fix. What is evaluated row by row takes the column, so that
 //! a quantity that nobody recorded cannot be read as 0: a name alone is no column, and neither is an index.
 //!
-//! ```compile_fail,E0308
-//! use denavit_calibrate::effects::Driver;
-//! let driver: Driver = Driver::Covariate("temperature".to_owned());
-//! ```
-//! ```compile_fail,E0451
-//! use denavit_calibrate::Column;
-//! let column = Column { index: 3, name: "temperature".into() };
-//! ```
-//! ```
-//! use denavit_calibrate::effects::Driver;
-//! use denavit_calibrate::{Covariate, Covariates};
-//! let recorded = Covariates::from(vec![Covariate { name: "temperature".into(), values: vec![20.5, 21.0] }]);
-//! let driver = Driver::Covariate(recorded.column("run.csv", 2, "temperature")?);
-//! assert_eq!(driver.covariate(), Some("temperature"));
-//! assert!(recorded.column("run.csv", 2, "payload").is_err());
-//! # Ok::<(), denavit_calibrate::MissingColumn>(())
-//! ```
+#![cfg_attr(
+    feature = "unstable",
+    doc = r#"
+```compile_fail,E0308
+use denavit_calibrate::effects::Driver;
+let driver: Driver = Driver::Covariate("temperature".to_owned());
+```
+```compile_fail,E0451
+use denavit_calibrate::Column;
+let column = Column { index: 3, name: "temperature".into() };
+```
+```
+use denavit_calibrate::effects::Driver;
+use denavit_calibrate::{Covariate, Covariates};
+let recorded = Covariates::from(vec![Covariate { name: "temperature".into(), values: vec![20.5, 21.0] }]);
+let driver = Driver::Covariate(recorded.column("run.csv", 2, "temperature")?);
+assert_eq!(driver.covariate(), Some("temperature"));
+assert!(recorded.column("run.csv", 2, "payload").is_err());
+# Ok::<(), denavit_calibrate::MissingColumn>(())
+```
+"#
+)]
 
 use std::ops::Deref;
 use std::sync::Arc;
