@@ -40,7 +40,7 @@ pub fn loading() {
             black_box(made(black_box(&text)).robot("model.xml").expect("a robot"));
         });
         report(&name, "denavit, MJCF to the text of a URDF", "mjcf", 1, || {
-            _ = black_box(made(black_box(&text)).text())
+            _ = black_box(made(black_box(&text)).text());
         });
         report(&name, "roxmltree, the XML alone", "mjcf", 1, || {
             black_box(roxmltree::Document::parse(black_box(&text)).expect("XML").root_element().range());
