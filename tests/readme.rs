@@ -1,8 +1,7 @@
 //! What the README shows is what the commands print, and all documents together are short.
 
-use crate::support::{denavit, top};
+use crate::support::{denavit, own_files, top};
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 /// Words of the README at most.
 const README_WORDS: usize = 900;
@@ -25,27 +24,12 @@ fn every_example_prints_what_the_readme_shows() {
     assert!(examples >= 3);
 }
 
-/// The documents that count: all but sources of robots, notes of example data, and templates of pages.
-fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            let name = path.file_name().unwrap().to_str().unwrap();
-            let skipped = ["node_modules", "target", "dist", "robots", "data", "templates", "shared"];
-            if !name.starts_with('.') && !skipped.contains(&name) {
-                documents(&path, found);
-            }
-        } else if path.extension().is_some_and(|extension| extension == "md") {
-            found.push(path);
-        }
-    }
-}
-
 /// `cargo test -p denavit --test denavit the_documents_are_short -- --nocapture` prints the words of each document.
 #[test]
 fn the_documents_are_short() {
-    let (top, mut found) = (top(), Vec::new());
-    documents(&top, &mut found);
+    let top = top();
+    // All but sources of robots, notes of example data, and templates of pages.
+    let found = own_files(&top, &[".md"], &["robots", "data", "templates", "shared"]);
     assert!(found.len() > 50, "{} documents", found.len());
     let mut counts: Vec<(usize, String)> = found
         .iter()

@@ -42,6 +42,24 @@ pub fn denavit(arguments: &[&str]) -> Run {
     denavit_in(&top(), arguments)
 }
 
+/// The project's own files below `folder` with one of these endings; folders of these names are left out, as is what is built or hidden.
+pub fn own_files(folder: &Path, endings: &[&str], left_out: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            let passed_by = ["node_modules", "target", "dist"].contains(&name) || left_out.contains(&name);
+            if !passed_by && !name.starts_with('.') {
+                found.extend(own_files(&path, endings, left_out));
+            }
+        } else if endings.iter().any(|ending| name.ends_with(ending)) {
+            found.push(path);
+        }
+    }
+    found
+}
+
 /// Runs `denavit` with these arguments in a folder.
 pub fn denavit_in(folder: &Path, arguments: &[&str]) -> Run {
     outcome(&program(folder).args(arguments).stdin(Stdio::null()).output().unwrap())

@@ -1,6 +1,6 @@
 //! House rule: plain words. What people read - documents, messages, help, doc comments - is free of the phrases below.
 
-use crate::support::top;
+use crate::support::{own_files, top};
 use std::path::{Path, PathBuf};
 
 /// A phrase that is not written, and what is written instead. `*` is up to forty characters of one clause.
@@ -182,26 +182,12 @@ fn raw_string(text: &str) -> Option<usize> {
     rest[marks..].starts_with('"').then_some(marks)
 }
 
-fn files(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        if path.is_dir() {
-            if !["node_modules", "target", "dist", "tests"].contains(&&*name) && !name.starts_with('.') {
-                files(&path, endings, found);
-            }
-        } else if endings.iter().any(|ending| name.ends_with(ending)) {
-            found.push(path);
-        }
-    }
-}
-
 #[test]
 fn what_people_read_is_in_plain_words() {
-    let mut found = Vec::new();
+    let mut found: Vec<PathBuf> = Vec::new();
     for folder in ["docs", "crates", "python", "web/src", "robots"] {
         let endings: &[&str] = if folder == "docs" { &[".md"] } else { &[".md", ".rs", ".py", ".pyi", ".ts"] };
-        files(&top().join(folder), endings, &mut found);
+        found.extend(own_files(&top().join(folder), endings, &["tests"]));
     }
     found.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| top().join(name)));
     assert!(found.len() > 500, "{} files were looked at", found.len());

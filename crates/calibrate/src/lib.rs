@@ -105,8 +105,3 @@ pub use observation::kinds::ObservationKind;
 pub use observation::measurements::Scene;
 #[cfg(feature = "unstable")]
 pub use observation::parameters::{Effects, Layout, NoEffects, Parameter, ParameterKind, Sensitivity};
-
-#[cfg(all(test, not(feature = "unstable")))]
-#[test]
-#[ignore = "the tests in tests/ need the feature unstable"]
-fn the_tests_of_the_rooms() {}

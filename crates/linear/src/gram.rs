@@ -102,10 +102,7 @@ impl Curvature {
         }
         let by_values = |k: usize, _| columns.column(chosen[k]).dot(&weighted) * self.deviations[k];
         let downhill = DVector::from_fn(chosen.len(), by_values) - at.component_div(&self.deviations);
-        let solved = |b: &DVector<f64>| {
-            let x = self.factor.backward(&self.factor.forward(b.as_slice()));
-            DVector::from_vec(x)
-        };
+        let solved = |b: &DVector<f64>| DVector::from_vec(self.factor.solve(b.as_slice()));
         let step = match &self.scaled {
             // (I + Bᵀ B)⁻¹ = I - Bᵀ (I + B Bᵀ)⁻¹ B.
             Some(scaled) => &downhill - scaled.tr_mul(&solved(&(scaled * &downhill))),
@@ -131,10 +128,7 @@ impl Gram {
 
     /// K⁻¹ z with K = I + B Bᵀ: on the side of the coefficients z - B (I + Bᵀ B)⁻¹ Bᵀ z.
     pub(crate) fn solve(&self, z: &DVector<f64>) -> DVector<f64> {
-        let solved = |b: &DVector<f64>| {
-            let x = self.factor.backward(&self.factor.forward(b.as_slice()));
-            DVector::from_vec(x)
-        };
+        let solved = |b: &DVector<f64>| DVector::from_vec(self.factor.solve(b.as_slice()));
         if self.in_rows { solved(z) } else { z - &self.scaled * solved(&self.scaled.tr_mul(z)) }
     }
 

@@ -96,7 +96,18 @@ mod tests {
         let (x, value) = minimise(&mut valley, &[-1.2, 1.0], &free, 100, 1e-9).unwrap();
         assert!(value < 1e-10 && (x[0] - 1.0).abs() < 1e-4, "{x:?} {value}");
         let (x, _) = minimise(&mut valley, &[-1.2, 1.0], &[(-5.0, 0.5), (-5.0, 5.0)], 100, 1e-9).unwrap();
-        assert!((x[0] - 0.5).abs() < 1e-9 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
+        assert!((x[0] - 0.5).abs() < 1e-12 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
+        // Steep one way and shallow another.
+        let mut trough = |x: &[f64]| {
+            let (a, b) = (x[0], x[1] - 3.0);
+            Some(Local {
+                value: 5e3 * a * a + 0.5 * b * b,
+                slope: DVector::from_vec(vec![1e4 * a, b]),
+                curvature: DMatrix::from_diagonal(&DVector::from_vec(vec![1e4, 1.0])),
+            })
+        };
+        let (x, _) = minimise(&mut trough, &[1e-3, 0.0], &free, 40, 0.1).unwrap();
+        assert!((x[1] - 3.0).abs() < 0.5, "{x:?}");
         assert!(minimise(&mut |_| None, &[0.0], &[(-1.0, 1.0)], 5, 1e-9).is_none());
     }
 

@@ -76,6 +76,11 @@ impl Triangle {
         x
     }
 
+    /// A⁻¹ b.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        self.backward(&self.forward(b))
+    }
+
     /// L⁻¹, column by column: column j from its diagonal on, the cells before it zero.
     pub fn inverse_columns(&self) -> Vec<f64> {
         let size = self.size;
@@ -248,6 +253,7 @@ mod tests {
             assert!(all.iter().zip(factor.forward(one)).all(|(a, b)| (a - b).abs() < 1e-9));
         }
         let whole = DVector::from_vec(factor.backward(solved.as_slice()));
+        assert_eq!(factor.solve(&right), factor.backward(&factor.forward(&right)));
         assert!((whole - known.solve(&DVector::from_vec(right))).amax() < 1e-9);
     }
 }

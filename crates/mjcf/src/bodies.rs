@@ -112,12 +112,8 @@ pub fn model(document: &Document, files: &mut Files) -> Result<Model, FormatErro
     if !problems.is_empty() {
         return Err(FormatError { problems });
     }
-    if document.files.len() == 1 {
-        kept.sort_by_key(|kept| kept.loss.place.line);
-    } else {
-        let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
-        kept.sort_by_cached_key(|kept| (file(kept), kept.loss.place.line));
-    }
+    let file = |kept: &Kept| document.files.iter().position(|file| *file == kept.loss.place.file);
+    kept.sort_by_cached_key(|kept| (file(kept), kept.loss.place.line));
     let name = document.root.get("model").unwrap_or_default().to_owned();
     Ok(Model { name, bodies, kept, notes, findings, understood })
 }

@@ -2,23 +2,16 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
-use std::path::{Path, PathBuf};
+#[path = "../../../tests/files.rs"]
+mod files;
 
-fn models(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            models(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "xml") {
-            found.push(path);
-        }
-    }
-}
+use self::files::{files, top};
+use std::path::Path;
 
 /// The same robot, to the last digit and place; or the same problems.
 fn same(file: &str, text: &str, folder: &Path) -> bool {
-    let mut files = |name: &str| std::fs::read(folder.join(name)).map_err(|error| error.to_string());
-    let Ok(made) = denavit_mjcf::translated(file, text, &mut files) else { return false };
+    let mut content = |name: &str| std::fs::read(folder.join(name)).map_err(|error| error.to_string());
+    let Ok(made) = denavit_mjcf::translated(file, text, &mut content) else { return false };
     let by_text = denavit_model::urdf::read(file, &made.text());
     assert_eq!(format!("{:?}", made.robot(file)), format!("{by_text:?}"), "{file}");
     by_text.is_ok()
@@ -26,14 +19,12 @@ fn same(file: &str, text: &str, folder: &Path) -> bool {
 
 #[test]
 fn values_say_what_the_text_says() {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vendor/mjcf");
-    let mut found = Vec::new();
-    models(&shared, &mut found);
-    if found.is_empty() {
+    let shared = top().join("../shared/vendor/mjcf");
+    if !shared.exists() {
         println!("skipped, because {} is not there", shared.display());
         return;
     }
-    found.sort();
+    let found = files(&shared, "xml");
     let read = found
         .iter()
         .filter(|path| same(&path.to_string_lossy(), &std::fs::read_to_string(path).unwrap(), path.parent().unwrap()));

@@ -34,7 +34,7 @@ const PASSES: usize = 3;
 /// The same for a model that is compared with: it begins at the fit.
 const PASSES_OF_NAMED: usize = 1;
 /// Steps with the sizes found, at most, until what is read changes by less than this share of the noise's variance.
-const STEPS_TO_SETTLE: usize = 16;
+const STEPS_TO_CONVERGE: usize = 16;
 const CONVERGED: f64 = 0.01;
 /// Shortest share of a step that goes to and fro.
 const LEAST_SHARE: f64 = 0.25;
@@ -327,16 +327,15 @@ impl Averager<'_> {
         let changes = &rows.columns * &whole;
         let change = curvature.in_noise(&changes).norm_squared() / rows.data.len() as f64;
         whole *= share;
-        let of_model = at.model.numbers().len();
-        let (arm, model) =
-            (self.layout.stepped(&at.arm, whole.as_slice()), at.model.stepped(&whole.as_slice()[..of_model]));
+        let step = whole.as_slice();
+        let (arm, model) = (self.layout.stepped(&at.arm, step), at.model.stepped(&step[..rows.of_model]));
         (At { arm, model, sizes: at.sizes.clone() }, change)
     }
 
     /// The same with these sizes until nothing changes any more. The curvature stays as long as steps become shorter by it.
     fn until_converged(&self, at: At, rows: &[usize]) -> Option<At> {
         let (mut at, mut before, mut share, mut known) = (at, f64::INFINITY, 1.0, None);
-        for _ in 0..STEPS_TO_SETTLE {
+        for _ in 0..STEPS_TO_CONVERGE {
             let rows = self.linearised(rows, &at);
             let by_known = known.take().map(|known| (self.at_mean(&at, &rows, &known, share), known));
             let shorter = by_known.filter(|((_, change), _)| *change < 0.5 * before);
