@@ -18,6 +18,7 @@ from nbconvert import MarkdownExporter
 TOP = Path(__file__).resolve().parents[2]
 # A link, or code, in which there is none; code may be the words of a link.
 TOKEN = re.compile(r"```.*?```|\[([^\]]*)\]\(([^)\s]+)\)|`[^`\n]*`", re.DOTALL)
+PICTURES = {".png", ".svg"}
 MOVED = {"README.md": "index.md", "ARCHITECTURE.md": "architecture.md", "robots/README.md": "gallery.md"}
 
 
@@ -30,7 +31,7 @@ def place(file: Path) -> str | None:
         return file.name
     if file.parent == TOP / "examples/notebooks" and file.suffix == ".ipynb":
         return f"notebooks/{file.stem}.md"
-    if file.suffix == ".png" and file.is_relative_to(TOP / "docs"):
+    if file.suffix in PICTURES and file.is_relative_to(TOP / "docs"):
         return file.relative_to(TOP / "docs").as_posix()
     return None
 
@@ -92,7 +93,8 @@ def main() -> None:
         path = folder / page
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    for picture in (TOP / "docs").glob("*/*.png"):
+    shutil.copy(TOP / "docs/site/site.css", folder)
+    for picture in (file for file in (TOP / "docs").glob("*/*") if file.suffix in PICTURES):
         path = folder / picture.relative_to(TOP / "docs")
         path.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(picture, path)

@@ -1,6 +1,6 @@
 //! A comparison or a list of findings as flat entries: what the line-oriented formats need.
 
-use crate::comparison::{Comparison, Verdict};
+use crate::comparison::{Comparison, JointValue, Verdict};
 use crate::report::Report;
 use crate::robots::{Member, State};
 use crate::words;
@@ -95,6 +95,19 @@ fn of_member(member: &Member) -> Vec<Entry> {
     }
 }
 
+/// Where a tip is displaced most, in words.
+fn posture(at: &[JointValue]) -> String {
+    if at.is_empty() {
+        return "at any joint values".into();
+    }
+    if at.len() > 1 && at.iter().all(|joint| joint.value == 0.0) {
+        return "with every joint at 0".into();
+    }
+    let values: Vec<String> =
+        at.iter().map(|joint| format!("{} = {}", joint.joint, words::joint_value(joint.value))).collect();
+    format!("at {}", values.join(", "))
+}
+
 fn of_comparison(comparison: &Comparison) -> Vec<Entry> {
     let entry = |counts: bool, line, subject: String, message| Entry {
         code: "diff".into(),
@@ -116,12 +129,10 @@ fn of_comparison(comparison: &Comparison) -> Vec<Entry> {
     }
     let relevant = |m: f64| m > comparison.tolerance_m;
     for tip in comparison.tips.iter().filter(|tip| relevant(tip.sampled_m)) {
-        let at: Vec<String> =
-            tip.at.iter().map(|joint| format!("{} = {}", joint.joint, words::joint_value(joint.value))).collect();
         let message = format!(
-            "displaced by up to {} at {}; nowhere by more than {}",
+            "displaced by up to {} {}; nowhere by more than {}",
             words::length(tip.sampled_m),
-            if at.is_empty() { "any joint values".into() } else { at.join(", ") },
+            posture(&tip.at),
             words::length(tip.bound_m)
         );
         let counts = comparison.verdict == Verdict::Different;
