@@ -3,6 +3,7 @@
 use super::{Folder, apart, json, json_file, tip, ur5e};
 use crate::support::{denavit, robot};
 use denavit_model::nalgebra::{Quaternion, UnitQuaternion};
+use std::process::Command;
 
 /// The files of a calibration with an effect in the data: their folder, and the report.
 fn calibrated(effect: &str, columns: &str, kinds: &str) -> (Folder, serde_json::Value) {
@@ -92,6 +93,28 @@ fn the_loop_closes_from_simulation_to_commands() {
     }
     assert!(reached >= 6, "{reached}");
     assert_eq!(run.code, i32::from(reached < 8));
+    // The code of it computes the same, and finds such commands.
+    let code = folder.path("arm.py");
+    let with = ["--exact", "--effects", &effects, "--given", "payload=2"];
+    denavit(&[&["code", &urdf, "--lang", "python", "-o", &code], &with[..]].concat()).succeeded();
+    let q = "0.3,-1.1,0.9,0.2,0.5,-0.4";
+    let asked = format!(
+        "import runpy; arm = runpy.run_path({code:?}); pose = arm['fk_with_effects']([{q}]); \
+         state, q = arm['command_from_target'](pose, [0.31, -1.09, 0.91, 0.19, 0.49, -0.41]); \
+         print(arm['self_test'](), state, *(row[3] for row in pose[:3]), *q)"
+    );
+    match Command::new("python3").args(["-c", &asked]).output() {
+        Ok(run) => {
+            let said = String::from_utf8(run.stdout).unwrap();
+            let numbers: Vec<f64> = said.split_whitespace().map(|word| word.parse().unwrap()).collect();
+            assert_eq!(numbers[..2], [0.0, 1.0], "{said} {}", String::from_utf8_lossy(&run.stderr));
+            let by_fk = tip(&[&[urdf.as_str()], &with[..], &["--q", q]].concat());
+            assert!(apart(&numbers[2..5], &by_fk[..3]) < 1e-9, "{said} {by_fk:?}");
+            let joints: Vec<f64> = q.split(',').map(|value| value.parse().unwrap()).collect();
+            assert!(apart(&numbers[5..], &joints) < 1e-8, "{said}");
+        }
+        Err(_) => println!("skipped, because python3 is not installed"),
+    }
     // The kinematics file is the same robot but for the frame at its end, and a source like any other.
     let yaml = folder.path("as_it_is.yaml");
     assert!(denavit(&["poe", &yaml]).succeeded().contains("wrist_3_joint"));
@@ -207,6 +230,12 @@ fn effects_are_used_again_and_ask_for_what_they_follow() {
     );
     let at = |given: &str| tip(&[&ur5e, "--effects", &effects, "--given", given]);
     assert!(apart(&at("temperature=20"), &at("temperature=28")) > 1e-5);
+    // Code is told by an argument what nobody gave.
+    let code = denavit(&["code", &ur5e, "--lang", "c", "--effects", &effects]).succeeded();
+    assert!(code.contains("given[0]  temperature (°C)") && code.contains("const double given[1], double pose[3][4]"));
+    let fixed =
+        denavit(&["code", &ur5e, "--lang", "c", "--effects", &effects, "--given", "temperature=20"]).succeeded();
+    assert!(!fixed.contains("given["));
     let again = ["simulate", &ur5e, "--effects", &effects];
     assert!(
         denavit(&again)

@@ -384,6 +384,7 @@ branches, and a self-test that compares stored postures. C and C++ are headers; 
 Examples:
   denavit code ur5e.urdf --lang c -o ur5e.h
   denavit code calibrated.urdf --lang rust -o arm.rs
+  denavit code calibrated.urdf --effects effects.json --given payload=2 --lang c -o arm.h
   denavit code panda.urdf --tip panda_hand --lang matlab -o panda.m";
 
 /// Languages.
@@ -408,6 +409,12 @@ pub struct CodeArguments {
     /// Which robot.
     #[command(flatten)]
     pub robot: RobotArguments,
+    /// File of effects, as `denavit calibrate --effects-out` wrote it: the code corrects for them
+    #[arg(long, value_name = "FILE")]
+    pub effects: Option<String>,
+    /// What the effects follow.
+    #[command(flatten)]
+    pub given: GivenArguments,
     /// Language
     #[arg(long, value_name = "LANGUAGE")]
     pub lang: LanguageName,

@@ -43,6 +43,139 @@ pub enum Statement {
         /// rad.
         angle: Vec<Term>,
     },
+    /// `name = function(arguments)`.
+    Call {
+        /// What is assigned.
+        name: String,
+        /// What is computed.
+        function: Function,
+        /// As many as it takes.
+        arguments: Vec<Value>,
+    },
+    /// `array[k] = sin((k + 1) angle)`, or `sin, cos` in turn; all times `inside`, which is 0 or 1.
+    Waves {
+        /// What is filled.
+        array: String,
+        /// How many values it has.
+        count: usize,
+        /// rad.
+        angle: Value,
+        /// 1, or 0 where there are no waves.
+        inside: Value,
+        /// Whether cosines go with the sines.
+        turns: bool,
+    },
+    /// `name = Σ array[k] table[k]`.
+    Weighted {
+        /// What is assigned.
+        name: String,
+        /// An array that was filled before.
+        array: String,
+        /// How many values it has.
+        count: usize,
+        /// By its index among the tables.
+        table: usize,
+    },
+    /// `z[axis][first + k] = array[k] by`.
+    Scatter {
+        /// 0 to 2.
+        axis: usize,
+        /// Where the array goes.
+        first: usize,
+        /// An array that was filled before.
+        array: String,
+        /// How many values it has.
+        count: usize,
+        /// What it is multiplied by.
+        by: Value,
+    },
+    /// `z[axis][index] = value`.
+    Store {
+        /// 0 to 2.
+        axis: usize,
+        /// Where.
+        index: usize,
+        /// What.
+        value: Value,
+    },
+    /// `name = Σ (Σ z[axis][first + k] table[row][k])²/3` over axes and rows.
+    Squares {
+        /// What is assigned.
+        name: String,
+        /// The first number that counts.
+        first: usize,
+        /// By its index among the tables.
+        table: usize,
+    },
+}
+
+/// What is no sum of products.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Function {
+    Sine,
+    Cosine,
+    /// Of two numbers.
+    Arctangent,
+    Root,
+    Exponential,
+    Inverse,
+    Size,
+    Most,
+    Least,
+    /// Of four numbers: the third where the first is below the second, else the last.
+    Choice,
+}
+
+impl Function {
+    /// Its value.
+    pub fn of(self, of: &[f64]) -> f64 {
+        match self {
+            Self::Sine => of[0].sin(),
+            Self::Cosine => of[0].cos(),
+            Self::Arctangent => of[0].atan2(of[1]),
+            Self::Root => of[0].sqrt(),
+            Self::Exponential => of[0].exp(),
+            Self::Inverse => 1.0 / of[0],
+            Self::Size => of[0].abs(),
+            Self::Most => of[0].max(of[1]),
+            Self::Least => of[0].min(of[1]),
+            Self::Choice if of[0] < of[1] => of[2],
+            Self::Choice => of[3],
+        }
+    }
+}
+
+fn names(terms: &[Term]) -> Vec<&str> {
+    let factors = terms.iter().flat_map(|term| &term.factors);
+    factors.filter_map(|factor| if let Factor::Name(name) = factor { Some(name.as_str()) } else { None }).collect()
+}
+
+impl Statement {
+    /// Names that it reads.
+    pub fn reads(&self) -> Vec<&str> {
+        match self {
+            Self::Sum { terms, .. } | Self::SinCos { angle: terms, .. } => names(terms),
+            Self::Call { arguments, .. } => arguments.iter().filter_map(Value::name).collect(),
+            Self::Waves { angle, inside, .. } => [angle, inside].into_iter().filter_map(Value::name).collect(),
+            Self::Weighted { array, .. } => vec![array],
+            Self::Scatter { array, by, .. } => [Some(array.as_str()), by.name()].into_iter().flatten().collect(),
+            Self::Store { value, .. } => value.name().into_iter().collect(),
+            Self::Squares { .. } => Vec::new(),
+        }
+    }
+
+    /// Names that it assigns; none where it fills a part of z.
+    pub fn assigns(&self) -> Vec<&str> {
+        match self {
+            Self::Sum { name, .. }
+            | Self::Call { name, .. }
+            | Self::Weighted { name, .. }
+            | Self::Squares { name, .. } => vec![name],
+            Self::SinCos { sine, cosine, .. } => vec![sine, cosine],
+            Self::Waves { array, .. } => vec![array],
+            Self::Scatter { .. } | Self::Store { .. } => Vec::new(),
+        }
+    }
 }
 
 /// A number that is known now, or when the code runs.
@@ -60,9 +193,20 @@ pub enum Value {
 }
 
 impl Value {
-    const ZERO: Self = Self::Number(0.0);
+    pub const ZERO: Self = Self::Number(0.0);
+    pub const ONE: Self = Self::Number(1.0);
 
-    fn negated(self) -> Self {
+    /// Something that has a name already.
+    pub fn named(name: impl Into<String>) -> Self {
+        Self::Name { negative: false, name: name.into() }
+    }
+
+    /// Its name, where it has one.
+    pub fn name(&self) -> Option<&str> {
+        if let Self::Name { name, .. } = self { Some(name) } else { None }
+    }
+
+    pub fn negated(self) -> Self {
         match self {
             Self::Number(number) => Self::Number(0.0 - number),
             Self::Name { negative, name } => Self::Name { negative: !negative, name },
@@ -105,11 +249,17 @@ struct Axis {
     scale: f64,
 }
 
-struct Writer {
-    statements: Vec<Statement>,
-    /// Sums that have a name already, by their terms.
+/// Assignments, each result with a name of its own.
+#[derive(Debug, Default)]
+pub struct Sheet {
+    pub statements: Vec<Statement>,
+    /// Results that have a name already, by what they are made of.
     known: HashMap<String, String>,
     next: usize,
+}
+
+struct Writer {
+    sheet: Sheet,
     columns: [Vector; 3],
     place: Vector,
 }
@@ -135,9 +285,9 @@ impl Program {
         let [x, y, z] = &writer.columns;
         let pose =
             std::array::from_fn(|row| [x[row].clone(), y[row].clone(), z[row].clone(), writer.place[row].clone()]);
-        let pose_statements = std::mem::take(&mut writer.statements);
+        let pose_statements = std::mem::take(&mut writer.sheet.statements);
         let jacobian = writer.jacobian(&axes, table.coordinates.len());
-        Self { pose_statements, pose, jacobian_statements: writer.statements, jacobian }
+        Self { pose_statements, pose, jacobian_statements: writer.sheet.statements, jacobian }
     }
 }
 
@@ -145,9 +295,7 @@ impl Writer {
     fn new() -> Self {
         let unit = |at: usize| std::array::from_fn(|row| Value::Number(f64::from(u8::from(row == at))));
         Self {
-            statements: Vec::new(),
-            known: HashMap::new(),
-            next: 0,
+            sheet: Sheet::default(),
             columns: [unit(0), unit(1), unit(2)],
             place: [Value::ZERO, Value::ZERO, Value::ZERO],
         }
@@ -196,9 +344,9 @@ impl Writer {
             if !is_quarter {
                 angle.push(Value::Number(theta).term());
             }
-            let index = self.fresh();
+            let index = self.sheet.fresh();
             let (sine, cosine) = (format!("s{index}"), format!("c{index}"));
-            self.statements.push(Statement::SinCos { sine: sine.clone(), cosine: cosine.clone(), angle });
+            self.sheet.statements.push(Statement::SinCos { sine: sine.clone(), cosine: cosine.clone(), angle });
             let name = |name| Value::Name { negative: false, name };
             self.turn_columns(0, 1, (name(sine), name(cosine)));
             if !is_quarter {
@@ -216,8 +364,8 @@ impl Writer {
     fn turn_columns(&mut self, first: usize, second: usize, (sine, cosine): (Value, Value)) {
         let (a, b) = (self.columns[first].clone(), self.columns[second].clone());
         for row in 0..3 {
-            self.columns[first][row] = self.sum(&[(&a[row], &cosine), (&b[row], &sine)]);
-            self.columns[second][row] = self.sum(&[(&b[row], &cosine), (&a[row].clone().negated(), &sine)]);
+            self.columns[first][row] = self.sheet.sum(&[(&a[row], &cosine), (&b[row], &sine)]);
+            self.columns[second][row] = self.sheet.sum(&[(&b[row], &cosine), (&a[row].clone().negated(), &sine)]);
         }
     }
 
@@ -226,18 +374,18 @@ impl Writer {
         let by = match joint {
             None => Value::Number(length),
             Some(slide) => {
-                let name = format!("d{}", self.fresh());
+                let name = format!("d{}", self.sheet.fresh());
                 let mut terms = vec![slide];
                 if length != 0.0 {
                     terms.push(Value::Number(length).term());
                 }
-                self.statements.push(Statement::Sum { name: name.clone(), terms });
+                self.sheet.statements.push(Statement::Sum { name: name.clone(), terms });
                 Value::Name { negative: false, name }
             }
         };
         for row in 0..3 {
             let (here, along) = (self.place[row].clone(), self.columns[axis][row].clone());
-            self.place[row] = self.sum(&[(&here, &Value::Number(1.0)), (&along, &by)]);
+            self.place[row] = self.sheet.sum(&[(&here, &Value::Number(1.0)), (&along, &by)]);
         }
     }
 
@@ -250,7 +398,7 @@ impl Writer {
             if axis.motion != Motion::Prismatic {
                 let arm: Vec<Value> = (0..3)
                     .map(|row| {
-                        self.sum(&[
+                        self.sheet.sum(&[
                             (&tip[row], &Value::Number(1.0)),
                             (&axis.point[row].clone().negated(), &Value::Number(1.0)),
                         ])
@@ -259,7 +407,7 @@ impl Writer {
                 for row in 0..3 {
                     column[row].push((axis.direction[row].clone(), scale.clone()));
                     let (next, after) = ((row + 1) % 3, (row + 2) % 3);
-                    let across = self.sum(&[
+                    let across = self.sheet.sum(&[
                         (&axis.direction[next], &arm[after]),
                         (&axis.direction[after].clone().negated(), &arm[next]),
                     ]);
@@ -281,19 +429,40 @@ impl Writer {
         for column in &columns {
             for (row, parts) in column.iter().enumerate() {
                 let parts: Vec<(&Value, &Value)> = parts.iter().map(|(a, b)| (a, b)).collect();
-                rows[row].push(self.sum(&parts));
+                rows[row].push(self.sheet.sum(&parts));
             }
         }
         rows
     }
+}
 
-    fn fresh(&mut self) -> usize {
+impl Sheet {
+    /// A function's value: a number where its arguments are.
+    pub fn call(&mut self, function: Function, arguments: &[&Value]) -> Value {
+        let numbers =
+            arguments.iter().map(|value| if let Value::Number(number) = value { Some(*number) } else { None });
+        if let Some(numbers) = numbers.collect::<Option<Vec<f64>>>() {
+            return Value::Number(function.of(&numbers));
+        }
+        let key = format!("{function:?}{arguments:?}");
+        if let Some(name) = self.known.get(&key) {
+            return Value::named(name);
+        }
+        let name = format!("t{}", self.fresh());
+        self.known.insert(key, name.clone());
+        let arguments = arguments.iter().map(|value| (*value).clone()).collect();
+        self.statements.push(Statement::Call { name: name.clone(), function, arguments });
+        Value::named(name)
+    }
+
+    /// A name that is free.
+    pub fn fresh(&mut self) -> usize {
         self.next += 1;
         self.next
     }
 
     /// Σ a·b: a value where that is one, else a new name.
-    fn sum(&mut self, products: &[(&Value, &Value)]) -> Value {
+    pub fn sum(&mut self, products: &[(&Value, &Value)]) -> Value {
         let (mut constant, mut terms) = (0.0, Vec::new());
         for product in products {
             match product {
@@ -357,23 +526,12 @@ fn key(terms: &[Term], negated: bool) -> String {
 
 /// The statements that the outputs need, in order: nothing is computed that is not read.
 pub fn needed<'a>(statements: &[&'a Statement], outputs: &[&Value]) -> Vec<&'a Statement> {
-    let mut wanted: std::collections::BTreeSet<String> = outputs
-        .iter()
-        .filter_map(|value| if let Value::Name { name, .. } = value { Some(name.clone()) } else { None })
-        .collect();
+    let mut wanted: std::collections::BTreeSet<&str> = outputs.iter().filter_map(|value| value.name()).collect();
     let mut kept = Vec::new();
     for statement in statements.iter().rev() {
-        let (is_read, terms) = match statement {
-            Statement::Sum { name, terms } => (wanted.contains(name), terms),
-            Statement::SinCos { sine, cosine, angle } => (wanted.contains(sine) || wanted.contains(cosine), angle),
-        };
-        if is_read {
-            let names = terms.iter().flat_map(|term| &term.factors);
-            wanted.extend(names.filter_map(
-                |factor| {
-                    if let Factor::Name(name) = factor { Some(name.clone()) } else { None }
-                },
-            ));
+        let assigned = statement.assigns();
+        if assigned.is_empty() || assigned.iter().any(|name| wanted.contains(name)) {
+            wanted.extend(statement.reads());
             kept.push(*statement);
         }
     }

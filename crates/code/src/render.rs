@@ -1,8 +1,10 @@
 //! A program in a language.
 
+use crate::effects::Effects;
 use crate::inverse::{Class, Inverse};
 use crate::program::{Factor, Program, Statement, Term, Value, needed};
-use denavit_dh::table::Table;
+use crate::render_effects::Shown;
+use crate::spread::Table;
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{CompiledChain, JacobianFrame};
@@ -64,6 +66,11 @@ pub enum CodeError {
     /// Nothing moves.
     #[error("nothing moves between \"{0}\" and \"{1}\"; choose another base and tip")]
     NothingMoves(String, String),
+    /// What is written computes something else than the effects that it is made of.
+    #[error(
+        "the code would miss the effects' own prediction by {0:.1e} m or rad; nothing is written; report this as a mistake of denavit"
+    )]
+    Disagrees(f64),
     /// The template does not take the program.
     #[error("the code could not be filled in: {0}")]
     Template(String),
@@ -82,6 +89,16 @@ impl Language {
 
     fn entry(self) -> &'static (Self, &'static str, &'static str) {
         LANGUAGES.iter().find(|(language, ..)| *language == self).expect("every language is in the list")
+    }
+
+    pub(crate) fn template_of_effects(self) -> &'static str {
+        match self {
+            Self::C => include_str!("../templates/effects/c.jinja"),
+            Self::Cpp => include_str!("../templates/effects/cpp.jinja"),
+            Self::Rust => include_str!("../templates/effects/rust.jinja"),
+            Self::Python => include_str!("../templates/effects/python.jinja"),
+            Self::Matlab => include_str!("../templates/effects/matlab.jinja"),
+        }
     }
 
     fn template(self) -> &'static str {
@@ -143,13 +160,26 @@ struct CoordinateShown {
 ///
 /// # Errors
 /// The table stands for no chain, or nothing in it moves.
-pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
+pub fn code(table: &denavit_dh::Table, options: Options) -> Result<String, CodeError> {
+    code_with(table, None, options)
+}
+
+/// The same with effects: functions `fk_with_effects` and `command_from_target`.
+///
+/// # Errors
+/// As [`code`]; and the code does not give the poses of the effects' cases.
+pub fn code_with_effects(table: &denavit_dh::Table, effects: &Effects, options: Options) -> Result<String, CodeError> {
+    code_with(table, Some(effects), options)
+}
+
+fn code_with(table: &denavit_dh::Table, effects: Option<&Effects>, options: Options) -> Result<String, CodeError> {
     let chain = table.chain()?;
     if table.coordinates.is_empty() {
         return Err(CodeError::NothingMoves(table.base.clone(), table.tip.clone()));
     }
     let program = Program::of(table);
-    let writer = Writer { options };
+    let writer = Writer { options, prefix: identifier(&table.name), tables: Vec::new(), numbers: 0 };
+    let effects = effects.map(|effects| Shown::of(effects, &writer)).transpose()?;
     let pose: Vec<&Value> = program.pose.iter().flatten().collect();
     let jacobian: Vec<&Value> = program.jacobian.iter().flatten().collect();
     let for_pose: Vec<&Statement> = program.pose_statements.iter().collect();
@@ -157,9 +187,10 @@ pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
     let for_pose = needed(&for_pose, &pose);
     let for_jacobian = needed(&for_jacobian, &jacobian);
     let compiled = CompiledChain::new(&chain);
+    let ranges: Vec<(f64, f64)> = chain.coordinates().iter().map(denavit_model::Coordinate::range).collect();
     let cases: Vec<Case> = (0..POSTURES)
         .map(|index| {
-            let q = posture(&chain, index);
+            let q = posture(&ranges, index);
             let matrix = chain.fk(&q).to_homogeneous();
             let mut columns = vec![0.0; 6 * q.len()];
             compiled.jacobians_into(JacobianFrame::Tip, &q, &mut columns);
@@ -214,21 +245,21 @@ pub fn code(table: &Table, options: Options) -> Result<String, CodeError> {
                 )),
                 no_inverse => inverse.as_ref().err().copied(),
                 cases => minijinja::Value::from(minijinja::value::Serde(cases)),
+                effects => minijinja::Value::from(minijinja::value::Serde(effects)),
                 tolerance => writer.number(tolerance * chain.size().max(1.0)),
             },
         )
         .map_err(|error| CodeError::Template(error.to_string()))
 }
 
-/// A posture of the self-test: the zero, then points spread over the range.
-fn posture(chain: &denavit_model::Chain, index: usize) -> Vec<f64> {
+/// A posture of the self-test: the zero, then points spread over the ranges.
+pub(crate) fn posture(ranges: &[(f64, f64)], index: usize) -> Vec<f64> {
     let place = |joint: usize| (0.618_033_988_749_895 * (index * 7 + joint + 1) as f64).fract();
-    let value = |(joint, coordinate): (usize, &denavit_model::Coordinate)| {
-        let (lower, upper) = coordinate.range();
+    let value = |(joint, (lower, upper)): (usize, &(f64, f64))| {
         if index == 0 { 0.0 } else { lower + (upper - lower) * place(joint) }
     };
     // Few digits, so that the file is readable.
-    chain.coordinates().iter().enumerate().map(value).map(|value| (value * 1e3).round() / 1e3).collect()
+    ranges.iter().enumerate().map(value).map(|value| (value * 1e3).round() / 1e3).collect()
 }
 
 fn multiplications(statements: &[&Statement]) -> usize {
@@ -238,6 +269,7 @@ fn multiplications(statements: &[&Statement]) -> usize {
         .map(|statement| match statement {
             Statement::Sum { terms, .. } => of(terms),
             Statement::SinCos { angle, .. } => of(angle),
+            _ => 0,
         })
         .sum()
 }
@@ -257,17 +289,23 @@ fn identifier(name: &str) -> String {
 }
 
 /// A text that ends no comment and no string of any language.
-fn comment(text: &str) -> String {
-    let safe = |letter: char| letter.is_alphanumeric() || " ._-+()[]".contains(letter);
+pub fn comment(text: &str) -> String {
+    let safe = |letter: char| letter.is_alphanumeric() || " ._-+()[]°".contains(letter);
     text.chars().map(|letter| if safe(letter) { letter } else { '_' }).collect()
 }
 
-struct Writer {
-    options: Options,
+/// Writes values and statements in a language.
+pub struct Writer {
+    pub options: Options,
+    /// What stands before the names of the file's functions in C.
+    pub prefix: String,
+    /// Numbers that functions look up, and how long the rows of z are.
+    pub tables: Vec<Table>,
+    pub numbers: usize,
 }
 
 impl Writer {
-    fn real(&self) -> &'static str {
+    pub fn real(&self) -> &'static str {
         match (self.options.language, self.options.precision) {
             (Language::Rust, Precision::Double) => "f64",
             (Language::Rust, Precision::Single) => "f32",
@@ -276,12 +314,12 @@ impl Writer {
         }
     }
 
-    fn is_c(&self) -> bool {
+    pub fn is_c(&self) -> bool {
         matches!(self.options.language, Language::C | Language::Cpp)
     }
 
     /// A number as the language writes it, every digit kept.
-    fn number(&self, number: f64) -> String {
+    pub fn number(&self, number: f64) -> String {
         let number = number + 0.0;
         let mut text = match self.options.precision {
             Precision::Double => format!("{number:?}"),
@@ -332,10 +370,23 @@ impl Writer {
         if self.options.language == Language::Matlab { format!("q({})", index + 1) } else { format!("q[{index}]") }
     }
 
-    fn value(&self, value: &Value) -> String {
+    pub fn value(&self, value: &Value) -> String {
         match value {
             Value::Number(number) => self.number(*number),
-            Value::Name { negative, name } => format!("{}{name}", if *negative { "-" } else { "" }),
+            Value::Name { negative, name } => format!("{}{}", if *negative { "-" } else { "" }, self.name(name)),
+        }
+    }
+
+    /// A name, or a place of an array such as `pose[0][3]`.
+    pub fn name(&self, name: &str) -> String {
+        match name.split_once('[') {
+            Some((array, places)) if self.options.language == Language::Matlab => {
+                let places = places.trim_end_matches(']').split("][");
+                let places =
+                    places.map(|place| place.parse().map_or_else(|_| place.to_owned(), |k: usize| (k + 1).to_string()));
+                format!("{array}({})", places.collect::<Vec<_>>().join(", "))
+            }
+            _ => name.to_owned(),
         }
     }
 
@@ -353,7 +404,7 @@ impl Writer {
                 .iter()
                 .map(|factor| match factor {
                     Factor::Number(number) => self.number(*number),
-                    Factor::Name(name) => name.clone(),
+                    Factor::Name(name) => self.name(name),
                     Factor::Coordinate(index) => self.coordinate(*index),
                 })
                 .collect();
@@ -363,15 +414,8 @@ impl Writer {
     }
 
     /// Statements, one a line; of a sine and a cosine only what is read.
-    fn lines(&self, statements: &[&Statement]) -> Vec<String> {
-        let read: BTreeSet<&str> = statements
-            .iter()
-            .flat_map(|statement| match statement {
-                Statement::Sum { terms, .. } | Statement::SinCos { angle: terms, .. } => terms,
-            })
-            .flat_map(|term| &term.factors)
-            .filter_map(|factor| if let Factor::Name(name) = factor { Some(name.as_str()) } else { None })
-            .collect();
+    pub fn lines(&self, statements: &[&Statement]) -> Vec<String> {
+        let read: BTreeSet<&str> = statements.iter().flat_map(|statement| statement.reads()).collect();
         let mut lines = Vec::new();
         for statement in statements {
             match statement {
@@ -384,6 +428,7 @@ impl Writer {
                         }
                     }
                 }
+                other => lines.extend(self.line_of_effects(other)),
             }
         }
         lines
@@ -398,7 +443,7 @@ impl Writer {
         }
     }
 
-    fn assigned(&self, name: &str, value: &str) -> String {
+    pub fn assigned(&self, name: &str, value: &str) -> String {
         match self.options.language {
             Language::C | Language::Cpp => format!("const {} {name} = {value};", self.real()),
             Language::Rust => format!("let {name} = {value};"),

@@ -3,7 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
-use denavit_code::{Language, Options, Precision, code};
+mod examples_with_effects;
+
+use denavit_code::{Language, Options, Precision, code, code_with_effects};
 use denavit_dh::convert::{self, table};
 use denavit_dh::{Convention, NearParallel, Table};
 use denavit_model::{Chain, Reading, examples, urdf};
@@ -38,6 +40,19 @@ fn tables() -> Vec<Table> {
     tables
 }
 
+/// The code of every table, and of arms with effects, with what each is called.
+fn texts(options: Options) -> Vec<(String, String)> {
+    let mut texts: Vec<(String, String)> =
+        tables().iter().map(|table| (table.name.clone(), code(table, options).unwrap())).collect();
+    // Four-byte numbers change no formula: every other arm will do.
+    let step = if options.precision == Precision::Single { 2 } else { 1 };
+    for (index, effects) in examples_with_effects::all().iter().enumerate().step_by(step) {
+        let table = of(&effects.chain, NearParallel::Dh);
+        texts.push((format!("effects {index}"), code_with_effects(&table, effects, options).unwrap()));
+    }
+    texts
+}
+
 fn written(folder: &Path, name: &str, text: &str) -> PathBuf {
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
@@ -63,19 +78,18 @@ fn compiled_and_run(
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for (index, table) in tables().iter().enumerate() {
-        let text = code(table, Options { language, precision }).unwrap();
-        let file = written(folder.path(), &format!("arm{index}.{}", language.extension()), &text);
+    for (index, (name, text)) in texts(Options { language, precision }).iter().enumerate() {
+        let file = written(folder.path(), &format!("arm{index}.{}", language.extension()), text);
         let made = folder.path().join(format!("arm{index}"));
         let main = text.lines().find_map(|line| line.split_once("-D")?.1.split_whitespace().next()).unwrap_or_default();
         let mut command = Command::new(program);
         compile(&mut command, &file, &made, main);
         let output = command.output().unwrap();
-        assert!(output.status.success(), "{}: {}", table.name, String::from_utf8_lossy(&output.stderr));
-        assert!(output.stderr.is_empty(), "{}: {}", table.name, String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
         if language != Language::Python {
             let run = Command::new(&made).output().unwrap();
-            assert!(run.status.success(), "{} {precision:?}: {}", table.name, String::from_utf8_lossy(&run.stdout));
+            assert!(run.status.success(), "{name} {precision:?}: {}", String::from_utf8_lossy(&run.stdout));
         }
     }
 }
@@ -131,14 +145,13 @@ fn matlab_passes_its_test_where_octave_is() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for table in tables() {
-        let text = code(&table, Options { language: Language::Matlab, precision: Precision::Double }).unwrap();
+    for (_, text) in texts(Options { language: Language::Matlab, precision: Precision::Double }) {
         let name = text.split_once("] = ").unwrap().1.split_once('(').unwrap().0.to_owned();
         written(folder.path(), &format!("{name}.m"), &text);
         let script = format!("exit({name}())");
         let run =
             Command::new("octave").args(["--quiet", "--eval", &script]).current_dir(folder.path()).output().unwrap();
-        assert!(run.status.success(), "{}: {}", table.name, String::from_utf8_lossy(&run.stderr));
+        assert!(run.status.success(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
     }
 }
 

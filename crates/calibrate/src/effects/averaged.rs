@@ -22,7 +22,7 @@ use denavit_model::{Pose, se3};
 
 /// Outside the measured ranges the drawing has half a say where the blend is expected to be off by this many times what the drawing is off by
 /// among the measured postures. With equal says (1) it did harm on a Barrett WAM: a third of its draws of 15 rows were worse than geometry alone.
-const FAR_MORE: f64 = 4.0;
+pub const FAR_MORE: f64 = 4.0;
 
 /// What is predicted with.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,6 +19,7 @@ pub use self::columns::{
 };
 pub use self::side::Side;
 pub use self::statics::{AtHome, Conditions, LinkEnd, Posture, StandingAxis, Statics, motions_into};
+pub use self::torque::TWIST_TO_BEND;
 
 use self::piecewise::hats;
 use self::side::side_of;

@@ -6,7 +6,7 @@ use denavit_model::Screw;
 use denavit_model::nalgebra::{Rotation3, Vector3};
 
 /// Shear and bending of a round tube under the same end moment: E/(2G) · 2 for steel.
-const TWIST_TO_BEND: f64 = 1.3;
+pub const TWIST_TO_BEND: f64 = 1.3;
 
 impl Posture {
     /// Gravity's moment about where a joint's axis stands, base frame, N·m.
@@ -43,7 +43,7 @@ impl Statics {
     }
 
     /// Two lines across gravity, base frame: x and y as nearly as may be.
-    pub(super) fn level(&self) -> [Vector3<f64>; 2] {
+    pub fn level(&self) -> [Vector3<f64>; 2] {
         let down = self.masses.gravity.normalize();
         let along = if down.x.abs() < down.y.abs().max(down.z.abs()) { Vector3::x() } else { Vector3::z() };
         let first = (along - down * down.dot(&along)).normalize();
