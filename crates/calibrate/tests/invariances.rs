@@ -198,7 +198,7 @@ fn effects_stand_between_joints_and_surroundings_and_can_be_taken_out() {
         let with = layout.with_effects(denavit_calibrate::Effects::parameters(&model));
         assert_eq!(with.effects, layout.joints.end..layout.joints.end + 2);
         for (target, place) in with.places.iter().enumerate() {
-            assert_eq!(with.parameters[*place].kind, ParameterKind::Target { target, component: 0 });
+            assert_eq!(with.parameters[place.unwrap()].kind, ParameterKind::Target { target, component: 0 });
         }
         assert_eq!(with.with_effects(Vec::new()), layout);
     }

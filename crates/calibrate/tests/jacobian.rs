@@ -2,7 +2,7 @@
 
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, PLANE, POSE, POSITION};
+use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, GRAVITY, INCLINATION, PLANE, POSE, POSITION};
 use denavit_calibrate::observation::parameters::Sensitivity;
 use denavit_calibrate::{
     Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, Perturbed, ResidualModel, Row,
@@ -65,7 +65,7 @@ impl Effects for Everything {
 fn columns_are_the_derivatives_of_the_residual() {
     let mut worst: f64 = 0.0;
     for chain in examples::all() {
-        for kind in [POSE, POSITION, DISTANCE, PLANE, DIAL] {
+        for kind in [POSE, POSITION, DISTANCE, PLANE, DIAL, GRAVITY, INCLINATION] {
             let options =
                 SimulationOptions { kind, rows: 4, targets: 2, turn: 0.02, shift: 0.02, ..Default::default() };
             let run = simulate(&chain, &options, &NoEffects);

@@ -14,6 +14,7 @@ mod diagnosis;
 mod drawn;
 mod exports;
 mod factory;
+mod gravity;
 mod hands;
 mod honesty;
 mod identifiability;

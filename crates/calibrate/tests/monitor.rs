@@ -203,3 +203,27 @@ fn before_there_is_a_fit_it_says_what_is_missing() {
     assert_eq!((&value["schema"], &value["row"]), (&"denavit.measure/1".into(), &12.into()));
     assert_eq!(value["next"].as_object().unwrap().len(), 6);
 }
+
+#[test]
+fn a_joint_that_counts_from_another_zero_is_said_once_and_read_so() {
+    let chain = examples::puma_like();
+    let right = run(&chain, POSITION, 45, 6);
+    let (quarter, mut data) = (std::f64::consts::FRAC_PI_2, right.data.clone());
+    let n = chain.coordinates().len();
+    data.readings.iter_mut().skip(2).step_by(n).for_each(|reading| *reading -= quarter);
+    let statuses = watched(&chain, &data);
+    let said: Vec<&RowStatus> = statuses.iter().filter(|status| status.read_as.is_some()).collect();
+    assert_eq!(said.iter().map(|status| status.row).collect::<Vec<_>>(), [20]);
+    let text = line(said[0], &chain, denavit_calibrate::observation::measurements::Units::default());
+    println!("{text}");
+    let name = &chain.coordinates()[2].name;
+    assert!(text.starts_with("ATTENTION") && text.contains(&format!("\"{name}\" counted from 90°")), "{text}");
+    let last = statuses.last().unwrap();
+    assert!(last.judged && last.lines_out_of_line.is_empty(), "{last:?}");
+    // As calibrate does with the same file; and what to measure next is said in the controller's readings.
+    let plain = watched(&chain, &right.data);
+    let [next, expected] = [last, plain.last().unwrap()].map(|status| status.next.clone().unwrap());
+    for (k, ((_, next), (_, expected))) in next.iter().zip(&expected).enumerate() {
+        assert!((next - expected + if k == 2 { quarter } else { 0.0 }).abs() < 1e-9, "{k}: {next} {expected}");
+    }
+}

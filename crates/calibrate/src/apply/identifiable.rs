@@ -24,7 +24,8 @@ fn as_drawn() -> SimulationOptions {
 }
 
 fn measured(chain: &Chain, freedom: &Freedom, options: &SimulationOptions) -> Vec<Identifiability> {
-    let read = KINDS.into_iter().filter(|kind| !kind.holds_the_target() && !kind.of_a_board());
+    let read =
+        KINDS.into_iter().filter(|kind| !kind.holds_the_target() && !kind.of_a_board() && !kind.is_turned_alone());
     let found = read.map(|kind| {
         let run = simulate(chain, &SimulationOptions { kind, ..options.clone() }, &NoEffects);
         identifiability(&run.data, &run.arm, &NoEffects, freedom)

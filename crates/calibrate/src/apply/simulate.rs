@@ -11,7 +11,7 @@ use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
 use crate::observation::board::Sight;
 use crate::observation::kinds::{Disturbance, ObservationKind, POSITION, Seen};
-use crate::observation::measurements::{Covariate, Label, Measurements, Scene};
+use crate::observation::measurements::{Covariate, Label, Measurements, Scene, Target};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Coordinate, Pose, Tips, se3};
@@ -86,6 +86,9 @@ impl Default for SimulationOptions {
         }
     }
 }
+
+/// How far a base is mounted from upright, about each of two axes, rad: standard deviation.
+const LEAN: f64 = 0.02;
 
 impl SimulationOptions {
     /// Postures to choose from for each row: a camera does not see its board in all of them.
@@ -188,6 +191,11 @@ fn scene(options: &SimulationOptions, targets: usize) -> Scene {
     if options.kind.holds_the_target() {
         return contact::scene(options);
     }
+    if options.kind.is_turned_alone() {
+        let (kind, mut scene) = (options.kind, Scene::default());
+        scene.add(kind, kind.own_setup(), Target::alone(kind.own_target().unwrap_or("")), None);
+        return scene;
+    }
     let of_board = options.kind.of_a_board().then(board).flatten();
     of_board.unwrap_or_else(|| Scene::of_several(options.kind, targets))
 }
@@ -209,6 +217,10 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
         if scene.has_instrument(setup) {
             let (turn, place) = (normal_vector(random, 1.0), normal_vector(random, size));
             *instrument = se3::exp(&Vector6::new(turn.x, turn.y, turn.z, place.x, place.y, place.z));
+        }
+        if scene.has_level(setup) {
+            let leans = normal_vector(random, LEAN);
+            *instrument = se3::exp(&Vector6::new(leans.x, leans.y, 0.0, 0.0, 0.0, 0.0));
         }
     }
     for (index, target) in arm.targets.iter_mut().enumerate() {

@@ -525,5 +525,7 @@ pub(super) fn needed_to_place(scene: &Scene) -> usize {
     let turns = (0..scene.targets.len()).filter(|&target| scene.turns(target)).count();
     let instruments = (0..scene.setups.len()).filter(|&setup| scene.has_instrument(setup)).count();
     let planes = (0..scene.setups.len()).filter(|&setup| scene.has_plane(setup)).count();
-    6 * instruments + 3 * (planes + scene.points.len() + scene.targets.len() + turns)
+    let levels = (0..scene.setups.len()).filter(|&setup| scene.has_level(setup)).count();
+    let places = (0..scene.targets.len()).filter(|&target| scene.places(target)).count();
+    6 * instruments + 3 * (planes + scene.points.len() + places + turns) + 2 * levels
 }

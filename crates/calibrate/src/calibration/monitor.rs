@@ -10,6 +10,7 @@
 mod suspects;
 
 use self::suspects::explanations;
+use super::contract::ReadAs;
 use super::diagnosis::{self, Corrected, Diagnosis, needed_to_place};
 use super::repeats_the_row_before;
 use crate::apply::plan::next::{Outlook, outlook, within_limits};
@@ -18,7 +19,7 @@ use crate::identify::initial_guess::nominal_fit;
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::{FALSE_REJECTIONS, Fit, GROSS};
 use crate::identify::{IdentifyOptions, fit_stage, identify};
-use crate::observation::measurements::Measurements;
+use crate::observation::measurements::{Measurements, Scene};
 use crate::observation::parameters::{NoEffects, ParameterKind};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, DVector};
@@ -118,6 +119,9 @@ pub struct RowStatus {
     pub copy: bool,
     /// Measured less predicted; empty while nothing can be predicted.
     pub off: Vec<Off>,
+    /// How the readings of all rows are taken from here on, where they do not fit the robot as they are written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read_as: Option<ReadAs>,
     /// Why it is out of line, if it is.
     pub out_of_line: Option<OutOfLine>,
     /// Lines of all rows that are out of line by now.
@@ -160,6 +164,8 @@ pub struct Monitor {
     out: BTreeSet<usize>,
     /// Rows that are exact copies of earlier ones.
     copies: BTreeSet<usize>,
+    /// How readings are taken that are written otherwise than the robot is drawn, one after another.
+    corrected: Vec<Corrected>,
 }
 
 #[derive(Debug, Clone)]
@@ -186,6 +192,7 @@ impl Monitor {
             fit: None,
             out: BTreeSet::new(),
             copies: BTreeSet::new(),
+            corrected: Vec::new(),
         })
     }
 
@@ -203,7 +210,7 @@ impl Monitor {
         while self.rows < rows.len() {
             self.rows += 1;
             let so_far: Vec<usize> = (0..self.rows).collect();
-            let data = rows.subset(&so_far).pruned();
+            let data = self.as_read(rows.subset(&so_far).pruned());
             if !tell(self.row(&data, self.rows == rows.len())?) {
                 break;
             }
@@ -241,9 +248,22 @@ impl Monitor {
         let due =
             self.fit.as_ref().is_none_or(|fitted| data.len() >= fitted.data.len() + fitted.data.len() / FIT_EVERY_ROW);
         let fits = missing == 0 && (due || is_last);
+        let mut read_as = None;
+        let reread;
+        let mut data = data;
         if fits {
             self.refit(data);
-            self.diagnose(data)?;
+            if let Some(corrected) = self.diagnose(data)? {
+                read_as = Some(ReadAs::of(&corrected));
+                reread = corrected.applied(&self.chain, data.clone());
+                data = &reread;
+                self.corrected.push(corrected);
+                // What was said of rows as they were written no longer holds.
+                self.fit = None;
+                self.out.clear();
+                (off, judged, why) = (Vec::new(), false, None);
+                self.refit(data);
+            }
         }
         let fitted = self.fit.as_ref().filter(|_| missing == 0);
         let (known, next) = match fitted.filter(|_| fits) {
@@ -256,6 +276,7 @@ impl Monitor {
             judged,
             copy,
             off,
+            read_as,
             out_of_line: why,
             lines_out_of_line: self.lines_out_of_line(data),
             missing_numbers: missing,
@@ -295,20 +316,40 @@ impl Monitor {
         self.fit = Some(Fitted { fit, data: data.clone(), judges });
     }
 
-    /// Looks for a mistake in how the data are written, now and then.
-    fn diagnose(&self, data: &Measurements) -> Result<(), Diagnosis> {
+    /// The rows as they are taken.
+    fn as_read(&self, data: Measurements) -> Measurements {
+        self.corrected.iter().fold(data, |data, corrected| corrected.applied(&self.chain, data))
+    }
+
+    /// What the controller reads where the joints stand so; `None` where no reading is taken for it.
+    fn as_written(&self, joints: Vec<f64>) -> Option<Vec<f64>> {
+        if self.corrected.is_empty() {
+            return Some(joints);
+        }
+        // Readings are taken for others by a linear map and a shift.
+        let n = joints.len();
+        let names = self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+        let mut rows = Measurements::empty("readings", names, Scene::default());
+        for row in 0..=n {
+            let reading: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k + 1 == row))).collect();
+            rows.end_row(&reading, row + 1, false);
+        }
+        let taken = self.as_read(rows);
+        let map = DMatrix::from_fn(n, n, |i, k| taken.reading(k + 1)[i] - taken.reading(0)[i]);
+        let away = DVector::from_fn(n, |i, _| joints[i] - taken.reading(0)[i]);
+        Some(map.lu().solve(&away)?.iter().copied().collect())
+    }
+
+    /// Looks for a mistake in how the data are written, now and then: one to continue without, where it is harmless.
+    fn diagnose(&self, data: &Measurements) -> Result<Option<Corrected>, Diagnosis> {
         let parts = data.len() / ROWS_TO_DIAGNOSE;
         if !data.len().is_multiple_of(ROWS_TO_DIAGNOSE) || !parts.is_power_of_two() {
-            return Ok(());
+            return Ok(None);
         }
         let kept: Vec<usize> = (0..data.len()).filter(|row| self.counts(*row)).collect();
         let kept = data.subset(&kept).pruned();
         let found = identify(&self.chain, &kept, &self.options.identify);
-        // Rows that are judged as they come are not read anew: whoever measures corrects the column and continues.
-        diagnosis::judge(&self.chain, &kept, &found, &self.options.identify, &[])?.map_or(Ok(()), |corrected| {
-            let Corrected { mistakes, before, after, .. } = corrected;
-            Err(Diagnosis::Mistaken { file: kept.source.clone(), mistakes, before, after })
-        })
+        diagnosis::judge(&self.chain, &kept, &found, &self.options.identify, &[])
     }
 
     fn outlook(&self, fit: &Fit<NoEffects>, data: &Measurements) -> (Option<Known>, Option<Vec<(String, f64)>>) {
@@ -322,7 +363,8 @@ impl Monitor {
         let seen = (!series.is_empty()).then(|| outlook(fit, data, &series, &self.candidates, &self.options.plan));
         let known = known(fit, data, seen.as_ref());
         let names = self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone());
-        let next = seen.and_then(|seen| seen.next).map(|next| names.zip(next.joints).collect());
+        let next = seen.and_then(|seen| seen.next).and_then(|next| self.as_written(next.joints));
+        let next = next.map(|next| names.zip(next).collect());
         (Some(known), next)
     }
 }

@@ -38,7 +38,8 @@ pub struct RowEntry {
     /// distance; m.
     #[serde(rename = "residual_m")]
     pub place: Vec<f64>,
-    /// Of the orientation, a rotation vector in the base frame, rad; left out where it was not measured.
+    /// Of the orientation, a rotation vector in the base frame, rad; of gravity two angles in the sensor's axes; left out where neither
+    /// was measured.
     #[serde(rename = "residual_rad", skip_serializing_if = "Vec::is_empty")]
     pub turn: Vec<f64>,
     /// The first in pixels, right and down; left out where none were read.
@@ -61,7 +62,8 @@ pub struct Placed {
 /// Where everything beside the robot was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Placements {
-    /// instrument_from_base of each setup whose instrument's frame was seen; of a plane a frame in which it is z = 0.
+    /// instrument_from_base of each setup whose instrument's frame was seen; of a plane a frame in which it is z = 0, of gravity one in which it
+    /// pulls against z.
     pub instruments: Vec<Placed>,
     /// tip_from_target of each target.
     pub targets: Vec<Placed>,
@@ -169,7 +171,9 @@ impl FileResiduals {
         let series = &scene.series[left.series];
         let name = |names: &[String], index: usize| if names.len() > 1 { names[index].clone() } else { String::new() };
         let corner = series.corner.as_ref();
-        let place: Vec<f64> = left.place.iter().take(series.kind.place().height).copied().collect();
+        let part = series.kind.place();
+        let first: Vec<f64> = left.place.iter().take(part.height).copied().collect();
+        let (place, angles) = if part.unit == "m" { (first, Vec::new()) } else { (Vec::new(), first) };
         let pixels = |corner: &Corner| place.iter().map(|length| length / corner.camera.metres_per_pixel()).collect();
         RowEntry {
             pixels: corner.map_or_else(Vec::new, pixels),
@@ -180,7 +184,7 @@ impl FileResiduals {
             held_out: self.held_out,
             rejected: self.rejected.binary_search(&left.observation).is_ok(),
             place,
-            turn: if series.kind.turn().is_some() { left.turn.as_slice().to_vec() } else { Vec::new() },
+            turn: if series.kind.turn().is_some() { left.turn.as_slice().to_vec() } else { angles },
         }
     }
 }
@@ -197,7 +201,10 @@ pub(super) fn placements(result: &Calibration) -> Placements {
             quaternion: turns.then_some([xyzw.x, xyzw.y, xyzw.z, xyzw.w]),
         }
     };
-    let seen = |setup: usize| scene.has_instrument(setup) || scene.has_plane(setup);
+    let seen = |setup: usize| {
+        let own = scene.has_instrument(setup) && !scene.is_held(setup);
+        own || scene.has_plane(setup) || scene.has_level(setup)
+    };
     let setups = scene.setups.iter().enumerate().filter(|(setup, _)| seen(*setup));
     let targets = scene.targets.iter().enumerate();
     let points = scene.points.iter().zip(&arm.points);

@@ -415,9 +415,9 @@ impl Averager<'_> {
     /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
     fn spread(&self, gram: &Gram, columns: &[usize]) -> Spread {
         let frame = self.layout.instruments.first().copied().flatten().into_iter().flat_map(|first| first..first + 6);
-        let place = self.layout.places[0];
+        let place = self.layout.places[0].into_iter().flat_map(|first| first..first + 3);
         let numbers = columns.iter().take_while(|&&column| self.layout.effects.contains(&column)).count();
-        let beside = frame.chain(place..place + 3).filter_map(|column| columns.binary_search(&column).ok());
+        let beside = frame.chain(place).filter_map(|column| columns.binary_search(&column).ok());
         let chosen: Vec<usize> = (0..numbers).chain(beside).collect();
         Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept: columns[..numbers].to_vec() }
     }

@@ -64,15 +64,17 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
     let revolute = count(|screw| matches!(screw, Screw::Revolute(_)));
     let prismatic = count(|screw| matches!(screw, Screw::Prismatic(_)));
     let scales = freedom.scales.iter().filter(|free| **free).count();
+    // Directions alone do not tell where an axis is, nor where a frame is.
+    let turned_alone = scene.kinds().iter().all(|kind| kind.is_turned_alone());
     let pitches = chain
         .joints()
         .iter()
         .zip(&freedom.pitches)
-        .filter(|(joint, free)| **free && matches!(joint.screw, Screw::Revolute(_)))
+        .filter(|(joint, free)| **free && !turned_alone && matches!(joint.screw, Screw::Revolute(_)))
         .count();
     let placed =
         Layout::new(chain, scene, &Freedom::placement(chain.joints().len()), &Tolerances::default(), Vec::new());
-    let rest = placed.len().saturating_sub(6 * placed.frames.count);
+    let rest = placed.len().saturating_sub(if turned_alone { 3 } else { 6 } * placed.frames.count);
     let targets = scene.targets.len();
     let word = if rest == 3 * targets && !(0..targets).any(|target| scene.turns(target)) {
         format!("3·{targets}")
@@ -80,8 +82,13 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
         rest.to_string()
     };
     let mut terms = Vec::new();
-    for (factor, number) in [(5, helical), (4, revolute), (2, prismatic)] {
-        if number > 0 {
+    let axes = if turned_alone {
+        [(2, helical), (2, revolute), (0, prismatic)]
+    } else {
+        [(5, helical), (4, revolute), (2, prismatic)]
+    };
+    for (factor, number) in axes {
+        if factor * number > 0 {
             terms.push(format!("{factor}·{number}"));
         }
     }
@@ -91,7 +98,8 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
     if rest > 0 {
         terms.push(word);
     }
-    (5 * helical + 4 * revolute + 2 * prismatic + scales + pitches + rest, terms.join(" + "))
+    let axes: usize = axes.iter().map(|(factor, number)| factor * number).sum();
+    (axes + scales + pitches + rest, terms.join(" + "))
 }
 
 /// What the rows of `data` can tell at this state of the arm; measured values do not matter.

@@ -2,12 +2,13 @@
 
 use crate::identify::solve::{Fit, FitOptions, fit};
 use crate::observation::arm::Arm;
+use crate::observation::kinds::Frame;
 use crate::observation::least_squares::least_squares;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, se3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rows that the search for a start looks at.
 const ROWS_FOR_START: usize = 60;
@@ -21,6 +22,8 @@ const TURNS_TO_FIT: usize = 3;
 const PLACINGS: usize = 3;
 /// Iterations that show whether a start leads anywhere: from the right one a fit is nearly there.
 const ITERATIONS_FROM_START: usize = 15;
+/// Another direction of gravity must leave less than this share of the squares to be taken.
+const CLEARLY_BETTER: f64 = 0.9;
 /// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
 const GOOD_ENOUGH: f64 = 0.01;
 
@@ -42,6 +45,7 @@ pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options:
         }
         None => start(chain, data, weights, &layout),
     };
+    let start = with_tools_held(chain, data, start);
     let placed = |arm: &Arm| fit(data, &layout, arm, &NoEffects, weights, options);
     with_plates_turned(data, placed(&start), &placed)
 }
@@ -58,7 +62,7 @@ pub(crate) fn with_plates_turned(
 ) -> Fit<NoEffects> {
     let reads = |observation: usize| {
         let kind = data.series_of(observation).kind;
-        kind.unknowns().plane && kind.numbers() > 0
+        kind.unknowns().frame == Frame::Plane && kind.numbers() > 0
     };
     let of_plates: Vec<usize> = (0..data.observations()).filter(|&observation| reads(observation)).collect();
     let left = |fit: &Fit<NoEffects>| of_plates.iter().map(|&at| fit.squares[at][0]).sum::<f64>();
@@ -142,7 +146,7 @@ fn tips_as_drawn(chain: &Chain, data: &Measurements) -> Vec<Pose> {
 /// A start for each setup by itself, put together.
 fn assembled(chain: &Chain, data: &Measurements, weights: &[f64]) -> Arm {
     let mut arm = Arm::new(chain, &data.scene);
-    for setup in 0..data.scene.setups.len() {
+    for setup in (0..data.scene.setups.len()).filter(|&setup| !data.scene.is_held(setup)) {
         let (part, observations) = data.of_one_setup(setup);
         let weights: Vec<f64> = observations.iter().map(|&observation| weights[observation]).collect();
         let freedom = Freedom::placement(chain.joints().len());
@@ -252,6 +256,7 @@ fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3
         }
     }
     place_planes(data, tips, &mut arm);
+    place_levels(data, tips, &mut arm);
     let points = places_of_points(data, tips, &arm).into_iter();
     arm.points = points.map(|places| places.first().copied().unwrap_or_default()).collect();
     arm
@@ -271,6 +276,111 @@ fn place_planes(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
         }
         if let Some(plane) = kind.and_then(|kind| kind.plane(&predicted, &values)) {
             arm.instruments[setup] = plane;
+        }
+    }
+}
+
+/// Where the tips of the rows have a tool, those that hold it first as its own frame: how the others hold it, and the frames of all rows.
+fn with_tools_held(chain: &Chain, data: &Measurements, mut arm: Arm) -> Arm {
+    let firsts = data.scene.tool_frames();
+    if firsts.is_empty() {
+        return arm;
+    }
+    let tips = tips_as_drawn(chain, data);
+    let mut seen: BTreeMap<usize, Vec<(usize, Pose)>> = BTreeMap::new();
+    for (row, tip) in tips.iter().enumerate() {
+        for series in data.of_row(row).map(|observation| data.series_of(observation)) {
+            if series.kind.unknowns().frame == Frame::Held {
+                seen.entry(series.setup).or_default().push((series.target, *tip));
+            }
+        }
+    }
+    let mut held: BTreeMap<usize, Vec<Pose>> = BTreeMap::new();
+    for both in seen.values() {
+        let Some((_, tool)) = both.iter().find(|(target, _)| firsts.contains(target)) else { continue };
+        for (target, tip) in both.iter().filter(|(target, _)| !firsts.contains(target)) {
+            held.entry(*target).or_default().push(tip.inverse() * tool);
+        }
+    }
+    for &target in &firsts {
+        arm.targets[target] = Pose::identity();
+    }
+    for (target, poses) in &held {
+        arm.targets[*target] = mean_pose(poses);
+    }
+    for (setup, both) in &seen {
+        let tools: Vec<Pose> = both.iter().map(|(target, tip)| tip * arm.targets[*target]).collect();
+        arm.instruments[*setup] = mean_pose(&tools).inverse();
+    }
+    arm
+}
+
+/// Between poses that are near to each other; at least one.
+pub(crate) fn mean_pose(poses: &[Pose]) -> Pose {
+    let place = poses.iter().map(|pose| pose.translation.vector).sum::<Vector3<f64>>() / poses.len() as f64;
+    let turn = poses.iter().map(|pose| pose.rotation.into_inner()).sum::<Matrix3<f64>>();
+    se3::pose(nearest_rotation(&turn), place)
+}
+
+/// How often sensors and the direction of gravity are turned in turn, each in closed form.
+const LEVELLINGS: usize = 10;
+
+/// A frame against whose z axis gravity pulls, where it pulls so (any length) in the base frame.
+pub(crate) fn level(down: &Vector3<f64>) -> Pose {
+    let up = -down.try_normalize(0.0).unwrap_or_else(|| -Vector3::z());
+    let rotation = se3::least_rotation(&up, &Vector3::z());
+    se3::pose(Rotation3::from_matrix_unchecked(*rotation.matrix()), Vector3::zeros())
+}
+
+/// Where gravity pulls, base frame, how sensors are turned on their tips, by target, and the squares that are left.
+struct Levelled {
+    left: f64,
+    down: Vector3<f64>,
+    sensors: Vec<(usize, Rotation3<f64>)>,
+}
+
+/// Turns sensors of gravity, and the frames that it pulls against, as the rows have them: from gravity along each axis of the base,
+/// the first where several do.
+fn place_levels(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
+    for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_level(setup)) {
+        let mut felt: Vec<(usize, usize, Vector3<f64>)> = Vec::new();
+        for row in 0..tips.len() {
+            for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
+                let series = data.series_of(observation);
+                let down = series.kind.down(data.observed.values(observation));
+                felt.extend(down.map(|down| (row, series.target, down)));
+            }
+        }
+        let mut best: Option<Levelled> = None;
+        for start in [-1.0, 1.0].into_iter().flat_map(|sign| [2, 0, 1].map(|axis| Vector3::ith(axis, sign))) {
+            let (mut down, mut sensors) = (start, Vec::new());
+            for _ in 0..LEVELLINGS {
+                let mut turns = vec![Matrix3::zeros(); data.scene.targets.len()];
+                for (row, target, own) in &felt {
+                    turns[*target] += tips[*row].rotation.inverse() * down * own.transpose();
+                }
+                let seen = turns.iter().enumerate().filter(|(_, turn)| **turn != Matrix3::zeros());
+                sensors = seen.map(|(target, turn)| (target, nearest_rotation(turn))).collect::<Vec<_>>();
+                let turned = |target: usize| sensors.iter().find(|(own, _)| *own == target).map(|(_, turn)| *turn);
+                let of = |(row, target, own): &(usize, usize, Vector3<f64>)| {
+                    Some(tips[*row].rotation * turned(*target)? * own)
+                };
+                let sum: Vector3<f64> = felt.iter().filter_map(of).sum();
+                down = sum.try_normalize(0.0).unwrap_or(down);
+            }
+            let turned = |target: usize| sensors.iter().find(|(own, _)| *own == target).map(|(_, turn)| *turn);
+            let off = |(row, target, own): &(usize, usize, Vector3<f64>)| {
+                Some((tips[*row].rotation * turned(*target)? * own - down).norm_squared())
+            };
+            let left: f64 = felt.iter().filter_map(off).sum();
+            if best.as_ref().is_none_or(|best| left < CLEARLY_BETTER * best.left) {
+                best = Some(Levelled { left, down, sensors });
+            }
+        }
+        let Some(Levelled { down, sensors, .. }) = best else { continue };
+        arm.instruments[setup] = level(&down);
+        for (target, rotation) in sensors {
+            arm.targets[target].rotation = rotation;
         }
     }
 }
@@ -372,6 +482,7 @@ fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose])
         let mut arm = Arm::new(chain, &data.scene);
         arm.targets.iter_mut().for_each(|target| target.translation.vector = offset);
         place_planes(data, tips, &mut arm);
+        place_levels(data, tips, &mut arm);
         let places = places_of_points(data, tips, &arm);
         // Planes alone have one place each.
         let most = places.iter().map(Vec::len).max().unwrap_or(1);

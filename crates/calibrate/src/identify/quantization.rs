@@ -109,7 +109,8 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
     for row in 0..data.len() {
         arm.state_into(data.reading(row), data.tip_of(row), None, &mut state);
         let on_the_way = &arm.tips[data.tip_of(row)].joints;
-        for observation in data.of_row(row) {
+        let of_lengths = |&observation: &usize| data.series_of(observation).kind.place().unit == "m";
+        for observation in data.of_row(row).filter(of_lengths) {
             let (series, values) = (data.series_of(observation), data.observed.values(observation));
             let seen = Seen::new(arm, &state.tip, &perturbation, series, values, false);
             let follows = series.kind.follows(&seen);
@@ -127,11 +128,12 @@ pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
                 let seen = match follows {
                     Follows::Whole => rate.norm_squared(),
                     Follows::Line(line) => line.dot(&rate).powi(2),
+                    Follows::Turns(_) => 0.0,
                     Follows::Lines { lines, .. } => lines.iter().map(|line| line.dot(&rate).powi(2)).sum(),
                 };
                 sum += seen * grid.step * grid.step / 12.0;
             }
         }
     }
-    Some(Rounding { grids, error: (sum / count).sqrt() })
+    (count > 0.0).then(|| Rounding { grids, error: f64::sqrt(sum / count) })
 }

@@ -2,7 +2,7 @@
 
 use crate::identify::simd_residuals::Geometry;
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row, RowState};
-use crate::observation::kinds::{Discrepancy, Follows, Rows, Seen};
+use crate::observation::kinds::{Discrepancy, Follows, Frame, Rows, Seen};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, Layout, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Vector3, Vector6};
@@ -74,6 +74,14 @@ impl Twists {
         let count = self.0[0].len();
         for (column, cell) in jacobian[..count].iter_mut().enumerate() {
             *cell = -self.0.iter().zip(direction).map(|(numbers, d)| numbers[column] * d).sum::<f64>();
+        }
+    }
+
+    /// Less the angular velocity about a line, parameter by parameter.
+    fn less_about(&self, line: &Vector3<f64>, jacobian: &mut [f64]) {
+        let count = self.0[0].len();
+        for (column, cell) in jacobian[..count].iter_mut().enumerate() {
+            *cell = -self.0.iter().zip(line.iter()).map(|(numbers, d)| numbers[column] * d).sum::<f64>();
         }
     }
 
@@ -323,7 +331,7 @@ impl<E: Effects> ResidualModel<'_, E> {
             self.derivatives(&seen, &found, scratch, jacobian);
         }
         if let Some(level) = self.data.observed.level(observation) {
-            let axes = if kind.unknowns().instrument && height == 3 {
+            let axes = if kind.unknowns().frame == Frame::Instrument && height == 3 {
                 *seen.instrument().rotation.matrix()
             } else {
                 Matrix3::identity()
@@ -346,6 +354,11 @@ impl<E: Effects> ResidualModel<'_, E> {
                     scratch.twists.less_along(&point, line, cells);
                 }
             }
+            Follows::Turns(lines) => {
+                for (line, cells) in lines.iter().zip(jacobian.chunks_exact_mut(columns)) {
+                    scratch.twists.less_about(line, cells);
+                }
+            }
         }
         for (k, effect) in scratch.sensitivities.iter().enumerate() {
             let column = layout.effects.start + k;
@@ -360,6 +373,11 @@ impl<E: Effects> ResidualModel<'_, E> {
                         jacobian[row * columns + column] = by_effect[row] - line.dot(&moved);
                     }
                 }
+                Follows::Turns(lines) => {
+                    for (row, line) in lines.iter().enumerate() {
+                        jacobian[row * columns + column] = by_effect[row] - line.dot(&omega(&effect.twist));
+                    }
+                }
             }
         }
         let height = kind.place().height;
@@ -367,16 +385,25 @@ impl<E: Effects> ResidualModel<'_, E> {
             line[layout.effects.end..].fill(0.0);
         }
         let mut rows = Rows { cells: jacobian, columns };
-        match follows {
-            Follows::Whole => {
+        let on_tip = |line: &Vector3<f64>| -(tip.inverse() * line);
+        match (follows, first) {
+            (Follows::Turns(lines), _) => {
+                for (row, line) in lines.iter().enumerate() {
+                    if let Some(first) = layout.turns[seen.series.target] {
+                        rows.put(row, first, on_tip(line).as_slice());
+                    }
+                }
+            }
+            (_, None) => {}
+            (Follows::Whole, Some(first)) => {
                 for row in 0..3 {
                     rows.put(row, first, &[-tip[(row, 0)], -tip[(row, 1)], -tip[(row, 2)]]);
                 }
             }
-            Follows::Line(line) => rows.put(0, first, (-(tip.inverse() * line)).as_slice()),
-            Follows::Lines { lines, .. } => {
+            (Follows::Line(line), Some(first)) => rows.put(0, first, on_tip(&line).as_slice()),
+            (Follows::Lines { lines, .. }, Some(first)) => {
                 for (row, line) in lines.iter().enumerate() {
-                    rows.put(row, first, (-(tip.inverse() * line)).as_slice());
+                    rows.put(row, first, on_tip(line).as_slice());
                 }
             }
         }

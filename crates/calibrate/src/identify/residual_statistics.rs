@@ -1,8 +1,9 @@
 //! How far predictions are from measured values, on the rows of a fit and on rows that it never saw.
 
+use crate::identify::initial_guess::{level, mean_pose};
 use crate::identify::solve::Fit;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
-use crate::observation::kinds::{Discrepancy, Part, Seen};
+use crate::observation::kinds::{Discrepancy, Frame, Part, Seen};
 use crate::observation::measurements::{Measurements, MissingColumn, Scene, Series, label_of};
 use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
@@ -275,7 +276,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
         };
         placed.targets.push(pose);
     }
-    for series in here.series.iter().filter(|series| series.kind.unknowns().instrument) {
+    for series in here.series.iter().filter(|series| series.kind.unknowns().frame == Frame::Instrument) {
         if !known.setups.contains(&here.setups[series.setup]) {
             let (file, setup) = (data.source.clone(), here.setups[series.setup].clone());
             return Err(TestError::UnplacedSetup { file, setup, known: known.setups.join(", ") });
@@ -285,6 +286,14 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     let planes = (0..here.setups.len()).filter(|&setup| here.has_plane(setup));
     for plane in planes.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
         place_plane(&mut placed, &effects, data, plane);
+    }
+    let tools = (0..here.setups.len()).filter(|&setup| here.is_held(setup));
+    for setup in tools.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
+        place_tool(&mut placed, &effects, data, setup);
+    }
+    let levels = (0..here.setups.len()).filter(|&setup| here.has_level(setup));
+    for setup in levels.filter(|&setup| !known.setups.contains(&here.setups[setup])) {
+        place_level(&mut placed, &effects, data, setup);
     }
     Ok(placed)
 }
@@ -328,6 +337,35 @@ fn place_plane<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setu
     if let Some(plane) = kind.and_then(|kind| kind.plane(&predicted, &values)) {
         arm.instruments[setup] = plane;
     }
+}
+
+/// Puts a tool that no fit has seen between where the tips that hold it have it.
+fn place_tool<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
+    let mut there = InRow::new(arm, effects);
+    let mut tools = Vec::new();
+    for row in 0..data.len() {
+        for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
+            there.stand(data, row);
+            tools.push(there.state.tip * there.arm.targets[data.series_of(observation).target]);
+        }
+    }
+    arm.instruments[setup] = mean_pose(&tools).inverse();
+}
+
+/// Puts upright what no fit has seen, as the sensors of its rows have it.
+fn place_level<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
+    let mut there = InRow::new(arm, effects);
+    let mut sum = Vector3::zeros();
+    for row in 0..data.len() {
+        for observation in data.of_row(row).filter(|&observation| data.series_of(observation).setup == setup) {
+            let series = data.series_of(observation);
+            if let Some(down) = series.kind.down(data.observed.values(observation)) {
+                there.stand(data, row);
+                sum += there.state.tip.rotation * there.arm.targets[series.target].rotation * down;
+            }
+        }
+    }
+    arm.instruments[setup] = level(&sum);
 }
 
 /// A known distance between two points, and what the rows that see them say of it.

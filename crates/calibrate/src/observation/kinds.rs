@@ -6,6 +6,8 @@
 
 mod dial;
 mod distance;
+mod gravity;
+mod grip;
 mod pixel;
 mod plane;
 mod pose;
@@ -39,8 +41,17 @@ pub const PLANE: ObservationKind = ObservationKind(&plane::Plane);
 /// A dial gauge on a plate.
 pub const DIAL: ObservationKind = ObservationKind(&dial::Dial);
 
-/// Every kind; of those whose columns a file has, the first is meant.
-pub const KINDS: [ObservationKind; 7] = [POSE, POSITION, DISTANCE, SOCKET, PIXEL, PLANE, DIAL];
+/// Where gravity pulls, as an accelerometer at rest reads it.
+pub const GRAVITY: ObservationKind = ObservationKind(&gravity::Gravity);
+
+/// How far two axes of an inclinometer point above the horizontal.
+pub const INCLINATION: ObservationKind = ObservationKind(&gravity::Inclination);
+
+/// A tool that two tips hold.
+pub const GRIP: ObservationKind = ObservationKind(&grip::Grip);
+
+/// Every kind that a file names by its columns; of those whose columns a file has, the first is meant.
+pub const KINDS: [ObservationKind; 9] = [POSE, POSITION, DISTANCE, SOCKET, PIXEL, PLANE, DIAL, GRAVITY, INCLINATION];
 
 /// A kind of observation, by reference to its definition.
 #[derive(Clone, Copy)]
@@ -87,13 +98,27 @@ pub struct Part {
     pub by_turn: bool,
 }
 
+/// What is seen of the frame of a setup.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frame {
+    /// Nothing.
+    #[default]
+    None,
+    /// All of it: that of the instrument, in which it reads.
+    Instrument,
+    /// All of it: that of a tool which two tips hold, in every row another.
+    Held,
+    /// The plane z = 0.
+    Plane,
+    /// The direction z, which gravity pulls against.
+    Level,
+}
+
 /// What a kind takes for unknown beside the arm and the place of its target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Unknowns {
-    /// The frame of the instrument, in which it reads.
-    pub instrument: bool,
-    /// The plane z = 0 of such a frame alone.
-    pub plane: bool,
+    /// What of its setup's frame.
+    pub frame: Frame,
     /// The orientation of the target on the tip.
     pub turn: bool,
     /// A point that stands still in the base frame, and what it is called.
@@ -154,7 +179,7 @@ pub struct Discrepancy {
     pub turn: Vector3<f64>,
 }
 
-/// How a residual of lengths follows a velocity v of the target, base frame.
+/// How a residual follows a velocity v of the target, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Follows {
     /// Three values: -v.
@@ -168,6 +193,8 @@ pub enum Follows {
         /// The lines.
         lines: [Vector3<f64>; 2],
     },
+    /// Two values: -line · ω for each, ω being the angular velocity of the tip, base frame.
+    Turns([Vector3<f64>; 2]),
 }
 
 /// Rows of a Jacobian, a column per parameter.
@@ -215,7 +242,7 @@ pub trait Observe: Sync {
     /// What rows of it are called: `positions`.
     fn plural(&self) -> &'static str;
 
-    /// The part that is a length.
+    /// The part that is a length; of what has none, an angle.
     fn place(&self) -> Part;
 
     /// The part that is an angle; three values.
@@ -278,6 +305,21 @@ pub trait Observe: Sync {
 
     /// The frame of the plane, given predicted places of the target (m, base frame) and what was measured there.
     fn plane(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Option<Pose> {
+        None
+    }
+
+    /// Whether it is the same wherever its target sits on the tip: how that is turned is all that counts.
+    fn is_turned_alone(&self) -> bool {
+        false
+    }
+
+    /// Where gravity pulls, in the target's own axes, where that is what is measured.
+    fn down(&self, _values: &[f64]) -> Option<Vector3<f64>> {
+        None
+    }
+
+    /// What is as large in every row of a sensor that stands still, in the unit of the cells.
+    fn strength(&self, _cells: &[f64]) -> Option<f64> {
         None
     }
 
@@ -345,5 +387,10 @@ pub trait Observe: Sync {
     /// How many of the first cells are lengths.
     fn lengths(&self) -> usize {
         self.place().height
+    }
+
+    /// Whether its cells are angles.
+    fn has_angles(&self) -> bool {
+        false
     }
 }

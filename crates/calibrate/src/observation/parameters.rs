@@ -62,7 +62,7 @@ pub enum ParameterKind {
         component: usize,
     },
     /// The frame of a setup of which only the plane z = 0 is seen, in its own axes: rotations about x and y (rad), translation
-    /// along z (m).
+    /// along z (m); of one of which only the direction z is seen, the rotations alone.
     Plane {
         /// Index of the setup.
         setup: usize,
@@ -196,16 +196,18 @@ pub struct Layout {
     pub joints: Range<usize>,
     /// Parameters of the effects.
     pub effects: Range<usize>,
-    /// Parameters of the targets: 3 each, then 3 for each orientation that is seen.
+    /// Parameters of the targets: 3 for each place that is seen, then 3 for each orientation that is seen.
     pub targets: Range<usize>,
     /// First parameter of each setup's instrument, where one is seen.
     pub instruments: Vec<Option<usize>>,
     /// First parameter of each setup's plane, where only that is seen.
     pub planes: Vec<Option<usize>>,
+    /// First parameter of each setup's direction of gravity, where that is seen.
+    pub levels: Vec<Option<usize>>,
     /// First parameter of each point.
     pub points: Vec<usize>,
-    /// First parameter of each target's place.
-    pub places: Vec<usize>,
+    /// First parameter of each target's place, where it is seen.
+    pub places: Vec<Option<usize>>,
     /// First parameter of each target's orientation, where it is seen.
     pub turns: Vec<Option<usize>>,
     /// Per joint.
@@ -267,6 +269,7 @@ impl Layout {
             joints,
             instruments: Vec::new(),
             planes: Vec::new(),
+            levels: Vec::new(),
             points: Vec::new(),
             places: Vec::new(),
             turns: Vec::new(),
@@ -309,6 +312,17 @@ impl Layout {
             }
             self.planes.push(first);
         }
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
+                let name = format!("{name}.turn_{}", AXES[component]);
+                free(name, ParameterKind::Plane { setup, component }, "rad")
+            };
+            let first = scene.has_level(setup).then(|| add(0));
+            if first.is_some() {
+                add(1);
+            }
+            self.levels.push(first);
+        }
         for (point, name) in scene.points.iter().enumerate() {
             let mut add = |component: usize| {
                 free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m")
@@ -316,8 +330,9 @@ impl Layout {
             self.points.push(add(0));
             (1..3).for_each(|component| _ = add(component));
         }
-        let planes = self.planes.iter().flatten().count();
-        let start = self.joints.end + 6 * self.instruments.iter().flatten().count() + 3 * (planes + self.points.len());
+        let [instruments, planes, levels] =
+            [&self.instruments, &self.planes, &self.levels].map(|all| all.iter().flatten().count());
+        let start = self.joints.end + 6 * instruments + 3 * (planes + self.points.len()) + 2 * levels;
         // Numbers follow the word, names stand apart from it.
         let called = |name: &str| {
             let space = if name.starts_with(|c: char| c.is_alphabetic()) { " " } else { "" };
@@ -328,8 +343,11 @@ impl Layout {
             let mut add = |component: usize| {
                 free(format!("{name}.{}", AXES[component]), ParameterKind::Target { target, component }, "m")
             };
-            self.places.push(add(0));
-            (1..3).for_each(|component| _ = add(component));
+            let first = scene.places(target).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
+            }
+            self.places.push(first);
         }
         for (target, name) in scene.targets.iter().enumerate() {
             let mut add = |component: usize| {
@@ -345,7 +363,7 @@ impl Layout {
         self.targets = start..self.parameters.len();
     }
 
-    /// What the known distances between points ask of the parameters.
+    /// What the known distances between points ask of the parameters, and that a tool's frame is that of the tip which holds it first.
     pub fn known_lengths(&self, scene: &Scene, arm: &Arm) -> Vec<Known> {
         let of = |known: &KnownLength| {
             let [a, b] = known.points;
@@ -357,7 +375,19 @@ impl Layout {
             let columns = column(a, 1.0).chain(column(b, -1.0)).collect();
             Known { residual: (known.length - length) / known.std, columns }
         };
-        scene.lengths.iter().map(of).collect()
+        let lengths = scene.lengths.iter().map(of);
+        // No tip holds a tool otherwise when its frame is another one: any width will do.
+        let frame = |target: usize| {
+            let pose = &arm.targets[target];
+            let of = |first: Option<usize>, value: Vector3<f64>| {
+                let first = first.into_iter().flat_map(|first| first..first + 3);
+                let known = |(column, value): (usize, f64)| Known { residual: -value, columns: vec![(column, -1.0)] };
+                first.zip(<[f64; 3]>::from(value)).map(known).collect::<Vec<_>>()
+            };
+            let turn = se3::rotation_vector(&pose.rotation);
+            of(self.places[target], pose.translation.vector).into_iter().chain(of(self.turns[target], turn))
+        };
+        lengths.chain(scene.tool_frames().into_iter().flat_map(frame)).collect()
     }
 
     /// What is known of points and of effects beside the rows. `numbers`: those of the effects.
@@ -384,8 +414,9 @@ impl Layout {
             targets: shift(self.targets.start)..shift(self.targets.end),
             instruments: self.instruments.iter().map(|column| column.map(shift)).collect(),
             planes: self.planes.iter().map(|column| column.map(shift)).collect(),
+            levels: self.levels.iter().map(|column| column.map(shift)).collect(),
             points: self.points.iter().copied().map(shift).collect(),
-            places: self.places.iter().copied().map(shift).collect(),
+            places: self.places.iter().map(|column| column.map(shift)).collect(),
             turns: self.turns.iter().map(|column| column.map(shift)).collect(),
             bases: self.bases.clone(),
             frames: self.frames.clone(),

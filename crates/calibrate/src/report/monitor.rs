@@ -37,7 +37,11 @@ fn uncertain(parameter: &Uncertain) -> String {
 
 /// How far a row is off, and why where it is out of line.
 pub fn row(status: &RowStatus) -> String {
-    let mut text = format!("line {}: ", status.line);
+    let mut text = String::new();
+    if let Some(read_as) = &status.read_as {
+        let _ = writeln!(text, "ATTENTION: these data do not fit this robot as they are written; {}", read_as.said);
+    }
+    let _ = write!(text, "line {}: ", status.line);
     if let Some(why) = &status.out_of_line {
         text.push_str("OUT OF LINE, ");
         if !why.targets.is_empty() {

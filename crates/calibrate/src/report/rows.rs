@@ -37,7 +37,8 @@ pub fn placements(found: &Placements) -> String {
 pub fn worst(rows: &Rows) -> String {
     let mut worst: Vec<(f64, RowEntry)> = Vec::with_capacity(LISTED + 1);
     for row in rows.iter() {
-        let size = row.place.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let of = if row.place.is_empty() { &row.turn } else { &row.place };
+        let size = of.iter().map(|value| value * value).sum::<f64>().sqrt();
         let place = worst.partition_point(|(larger, _)| larger.total_cmp(&size).is_ge());
         if place < LISTED {
             worst.insert(place, (size, row));
@@ -57,7 +58,7 @@ pub fn worst(rows: &Rows) -> String {
             row.setup,
             row.target,
             what.into(),
-            format!("{:.4}", size * 1e3),
+            if row.place.is_empty() { String::new() } else { format!("{:.4}", size * 1e3) },
             if row.turn.is_empty() { String::new() } else { format!("{:.4}", turn * 1e3) },
         ]);
     }

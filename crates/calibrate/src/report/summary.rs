@@ -12,11 +12,12 @@ const AT_THE_FLOOR: f64 = 1.15;
 /// Effects that are listed by name; of more, the number is given.
 const LISTED: usize = 3;
 
-/// Error, cause and next step, a line each; empty where nothing that was measured has a length.
+/// Error, cause and next step, a line each; of a length where there is one.
 pub(super) fn summary(result: &Calibration) -> String {
     let stages = &result.report.stages;
     let scene = &result.train.scene;
-    let found = scene.channels.iter().enumerate().find(|(_, part)| part.unit == "m");
+    let mut parts = scene.channels.iter().enumerate();
+    let found = parts.clone().find(|(_, part)| part.unit == "m").or_else(|| parts.next());
     let (Some((channel, part)), Some(adopted)) = (found, stages.iter().find(|stage| stage.adopted)) else {
         return String::new();
     };
@@ -24,14 +25,15 @@ pub(super) fn summary(result: &Calibration) -> String {
         stage.test.as_ref().unwrap_or(&stage.train).of(part.word).map(|error| error.rms * 1e3)
     };
     let Some(error) = rms(adopted) else { return String::new() };
+    let unit = if part.unit == "m" { "mm" } else { "mrad" };
     let rows = if adopted.test.is_some() { "held-out" } else { "training" };
-    let mut text = format!("result: {rows} error {error:.4} mm rms");
+    let mut text = format!("result: {rows} error {error:.4} {unit} rms");
     if let Some(drawn) = stages.first().filter(|first| first.name != adopted.name).and_then(rms) {
-        let _ = write!(text, "; as drawn {drawn:.4} mm");
+        let _ = write!(text, "; as drawn {drawn:.4} {unit}");
     }
     if let Some(floor) = attainable(result, channel).map(|floor| floor * 1e3) {
         let at = if error <= AT_THE_FLOOR * floor { "; at the noise floor, " } else { "; noise floor " };
-        let _ = write!(text, "{at}{floor:.4} mm");
+        let _ = write!(text, "{at}{floor:.4} {unit}");
     }
     text.push('\n');
     text.push_str(&cause(result));

@@ -19,6 +19,7 @@ use crate::report::summary::summary;
 use crate::report::trust;
 use crate::report::zeros::{nearly_all, zeros};
 use crate::trace::Trace;
+use denavit_model::nalgebra::Vector3;
 use std::fmt::Write;
 
 /// Prior and posterior spread are alike when their ratio is above this.
@@ -61,14 +62,19 @@ fn cells(errors: Option<&Errors>, of: [Option<&Part>; 2]) -> Vec<String> {
     cells
 }
 
-/// The before/after table: one line per stage, errors in mm and mrad; a table for each sort of length.
+/// The before/after table: one line per stage, errors in mm and mrad; a table for each sort of length, and of angle that is not beside
+/// one.
 pub fn stages(stages: &[Stage], scene: &Scene) -> String {
     let lengths: Vec<&Part> = scene.channels.iter().filter(|part| part.unit == "m").collect();
-    let angle = scene.channels.iter().find(|part| part.unit != "m");
+    let angles: Vec<&Part> = scene.channels.iter().filter(|part| part.unit != "m").collect();
+    let angle = angles.iter().copied().find(|part| part.word == "orientation");
     let tables = lengths.iter().enumerate().map(|(index, length)| {
         let title = if lengths.len() > 1 { format!("{} in mm", length.word) } else { "errors in mm".into() };
         one_table(stages, title, [Some(length), angle.filter(|_| index == 0)])
     });
+    let beside = angles.iter().copied().filter(|part| angle != Some(*part));
+    let tables =
+        tables.chain(beside.map(|part| one_table(stages, format!("{} in mrad", part.word), [Some(part), None])));
     tables.collect::<Vec<String>>().join("\n")
 }
 
@@ -258,6 +264,7 @@ pub fn calibration(result: &Calibration) -> String {
     }
     text.push_str(&tips(report, &result.train.scene));
     text.push_str(&in_pixels(report, &result.train.scene));
+    text.push_str(&upright(result));
     text.push_str(&trust::doubtful_stages(report));
     if let Some(expected) = &report.prediction {
         text.push_str(&expected.in_words());
@@ -344,6 +351,23 @@ fn in_pixels(report: &CalibrationReport, scene: &Scene) -> String {
     )
 }
 
+/// How the base stands where sensors have felt gravity.
+fn upright(result: &Calibration) -> String {
+    let fit = result.without_effects();
+    let found = fit.layout.levels.iter().enumerate().filter_map(|(setup, column)| Some((setup, (*column)?)));
+    let line = |(setup, column): (usize, usize)| {
+        let up = fit.arm.instruments[setup].rotation.inverse() * Vector3::z();
+        let leans = up.xy().norm().atan2(up.z.abs()).to_degrees();
+        let variance = fit.covariance[(column, column)] + fit.covariance[(column + 1, column + 1)];
+        let of = if result.train.scene.setups.len() > 2 { &result.train.scene.setups[setup] } else { "gravity" };
+        format!(
+            "{of}: the base's z axis is {leans:.3}° ± {:.3}° from the vertical\n",
+            (variance / 2.0).sqrt().to_degrees()
+        )
+    };
+    found.map(line).collect()
+}
+
 fn several_lengths(scene: &Scene) -> bool {
     scene.channels.iter().filter(|part| part.unit == "m").count() > 1
 }
@@ -379,14 +403,14 @@ pub(super) fn attainable(result: &Calibration, channel: usize) -> Option<f64> {
 }
 
 fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, level: f64) {
+    let lead = if channel == 0 { "noise floor: " } else { "  and " };
     if part.unit != "m" {
-        let _ = writeln!(text, "  and {:.4} mrad per component of {}", level * 1e3, part.word);
+        let _ = writeln!(text, "{lead}{:.4} mrad per component of {}", level * 1e3, part.word);
         return;
     }
     let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
     let norm = level * (part.height as f64).sqrt() * 1e3;
     let of_norm = if part.height == 1 { String::new() } else { format!(", {norm:.4} mm rms of the error's length") };
-    let lead = if channel == 0 { "noise floor: " } else { "  and " };
     let pixels = scene.per_pixel(channel).map_or_else(String::new, |size| format!(" ({:.4} px)", level / size));
     let _ = writeln!(text, "{lead}{:.4} mm{pixels} per component{of}{of_norm}", level * 1e3);
 }

@@ -1,14 +1,14 @@
-//! Two hands of one robot that touch each other: rows as a user would write them, and how near a fit of them comes to the bound.
+//! Two hands of one robot that touch each other or hold a tool: rows as a user would write them, and how near a fit of them comes to the bound.
 
 use crate::postures::brought_to;
 use crate::webcam::derivatives;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
-use denavit_calibrate::observation::kinds::POSITION;
+use denavit_calibrate::observation::kinds::{POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read_export};
 use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, identify};
-use denavit_model::nalgebra::{DMatrix, DVector, Vector3};
-use denavit_model::{Chain, Reading, Tips, urdf};
+use denavit_model::nalgebra::{DMatrix, DVector, SVector, Vector3};
+use denavit_model::{Chain, Pose, Reading, Tips, se3, urdf};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -80,7 +80,8 @@ pub fn between(arm: &Arm, q: &[f64]) -> Vector3<f64> {
 
 /// How the way between the points follows axes and points at each posture, three rows for each: where they touch is left out.
 fn followed(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
-    let columns: Vec<usize> = layout.joints.clone().chain(layout.places[0]..layout.places[1] + 3).collect();
+    let columns: Vec<usize> =
+        layout.joints.clone().chain(layout.places[0].unwrap()..layout.places[1].unwrap() + 3).collect();
     let all = derivatives(data, layout, arm).select_columns(&columns);
     // Of each touch three rows of the right hand follow three of the left one.
     DMatrix::from_fn(all.nrows() / 2, all.ncols(), |row, k| {
@@ -100,7 +101,7 @@ fn by_least_squares(from: &Arm, postures: &[Vec<f64>], data: &Measurements, layo
         let mut whole = vec![0.0; layout.len()];
         let (joints, points) = step.as_slice().split_at(layout.joints.len());
         whole[layout.joints.clone()].copy_from_slice(joints);
-        whole[layout.places[0]..layout.places[1] + 3].copy_from_slice(points);
+        whole[layout.places[0].unwrap()..layout.places[1].unwrap() + 3].copy_from_slice(points);
         arm = layout.stepped(&arm, &whole);
     }
     arm
@@ -139,4 +140,173 @@ pub fn errors(rows: usize, seeds: Range<u64>) -> [f64; 4] {
         sums[3] += (far * bound).component_mul(&far.into_owned()).sum();
     }
     sums.map(|sum| (sum / count).sqrt())
+}
+
+/// Which share of the 95 % intervals of the way between the points, each axis, holds it, at touches that were not fitted.
+pub fn covered(rows: usize, seeds: Range<u64>) -> f64 {
+    let (mut inside, mut all) = (0.0, 0.0);
+    for seed in seeds {
+        let run = Touches::drawn(rows + LATER, seed);
+        let (fitted, later) = run.postures.split_at(rows);
+        let (data, options) = (run.data(fitted), IdentifyOptions::axes(&run.chain));
+        let fit = identify(&run.chain, &data, &options).geometric;
+        let judged = run.data(later);
+        let whole = Layout::new(&run.chain, &judged.scene, &options.freedom, &options.tolerances, Vec::new());
+        let arm = Arm { points: vec![Vector3::zeros(); judged.scene.points.len()], ..fit.arm.clone() };
+        let ahead = followed(&judged, &whole, &arm);
+        let own = &fit.layout;
+        let columns: Vec<usize> =
+            own.joints.clone().chain(own.places[0].unwrap()..own.places[1].unwrap() + 3).collect();
+        let covariance = fit.covariance.select_columns(&columns).select_rows(&columns);
+        let variance = (&ahead * covariance).component_mul(&ahead).column_sum();
+        let off = later.iter().flat_map(|q| <[f64; 3]>::from(between(&fit.arm, q) - between(&run.truth, q)));
+        for (off, variance) in off.zip(variance.iter()) {
+            inside += f64::from(u8::from(off.abs() < 1.96 * variance.sqrt()));
+            all += 1.0;
+        }
+    }
+    inside / all
+}
+
+/// Scatter of a grip: each axis of place, m, and of turn, rad.
+const SLACK: [f64; 2] = [1e-4, 2e-4];
+
+/// Postures are looked for within this share of the ranges around one.
+const NEAR: f64 = 0.4;
+
+/// A robot drawn within the tolerances, and postures in which its hands hold one tool.
+pub struct Grips {
+    pub chain: Chain,
+    pub tips: Arc<Tips>,
+    pub truth: Arm,
+    pub postures: Vec<Vec<f64>>,
+}
+
+impl Grips {
+    /// The last [`LATER`] of the postures hold it without scatter.
+    pub fn drawn(rows: usize, seed: u64) -> Self {
+        let (chain, tips, _) = both(TWO_ARMS);
+        let options = SimulationOptions { kind: POSE, rows: 1, seed, tips: Some(tips.clone()), ..Default::default() };
+        let mut truth = simulate(&chain, &options, &NoEffects).arm;
+        truth.targets = vec![Pose::identity(); 2];
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x0067_7269);
+        let between = |truth: &Arm, q: &[f64]| true_target(truth, q, 0).inverse() * true_target(truth, q, 1);
+        // As the hands are turned to each other half way, nearer together.
+        let middle: Vec<f64> = readings(&chain, 200, seed)
+            .into_iter()
+            .min_by(|a, b| {
+                let apart = |q: &[f64]| between(&truth, q).translation.vector.norm();
+                apart(a).total_cmp(&apart(b))
+            })
+            .unwrap();
+        truth.targets[1] = between(&truth, &middle).inverse();
+        let mut postures = Vec::new();
+        for round in 0..60 {
+            for start in readings(&chain, rows, seed + 1000 * round) {
+                if postures.len() == rows {
+                    break;
+                }
+                let exact = postures.len() >= rows - LATER;
+                let scatter = SVector::<f64, 6>::from_fn(|k, _| {
+                    if exact { 0.0 } else { SLACK[k / 3] * random.sample::<f64, _>(StandardNormal) }
+                });
+                // From near the first one: from anywhere few come to hold it.
+                let start = start.iter().zip(&middle).map(|(q, middle)| middle + NEAR * (q - middle)).collect();
+                let off = |q: &[f64]| scatter - apart(&truth, q);
+                postures.extend(brought_to(&chain, off, start));
+            }
+        }
+        assert_eq!(postures.len(), rows, "the hands do not hold the tool");
+        Self { chain, tips, truth, postures }
+    }
+
+    /// The rows as a file has them, read.
+    pub fn data(&self, postures: &[Vec<f64>]) -> Measurements {
+        let names: Vec<&str> = self.chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+        let mut text = format!("tip,{},grip\n", names.join(","));
+        for q in postures {
+            let cells: Vec<String> = q.iter().map(f64::to_string).collect();
+            let _ = writeln!(text, "left_hand+right_hand,{},bar", cells.join(","));
+        }
+        let options = ImportOptions { tips: Some(self.tips.clone()), ..ImportOptions::default() };
+        read_export("grips.csv", text.as_bytes(), &self.chain, Units::default(), &options).unwrap().data
+    }
+}
+
+/// How far apart the two hands have the tool: place (m) and turn (rad), in the tool's frame as the left hand has it.
+fn apart(arm: &Arm, q: &[f64]) -> SVector<f64, 6> {
+    let [left, right] = [0, 1].map(|target| true_target(arm, q, target));
+    let off = left.inverse() * right;
+    let (place, turn) = (off.translation.vector, se3::rotation_vector(&off.rotation));
+    SVector::from_column_slice(&[place.x, place.y, place.z, turn.x, turn.y, turn.z])
+}
+
+/// How what is [`apart`] follows axes and grips at each posture, six rows for each; and these columns.
+fn apart_follows(data: &Measurements, layout: &Layout, arm: &Arm) -> (DMatrix<f64>, Vec<usize>) {
+    let columns: Vec<usize> = layout.joints.clone().chain(layout.targets.clone()).collect();
+    let held = Arm {
+        instruments: (0..data.scene.setups.len())
+            .map(|setup| {
+                let row = (0..data.len()).find(|&row| data.series_of(data.of_row(row).start).setup == setup);
+                true_target(arm, data.reading(row.unwrap()), 0).inverse()
+            })
+            .collect(),
+        ..arm.clone()
+    };
+    let all = derivatives(data, layout, &held).select_columns(&columns);
+    let ahead = DMatrix::from_fn(all.nrows() / 2, all.ncols(), |row, k| {
+        let left = 12 * (row / 6) + row % 6;
+        all[(left + 6, k)] - all[(left, k)]
+    });
+    (ahead, columns)
+}
+
+/// Root mean squares over these robots at grips that were not fitted, of place (m) and turn (rad): as drawn, fitted, and what the
+/// Cramér-Rao bound allows with the tolerances known; and which share of the 95 % intervals holds the truth.
+pub fn grip_errors(rows: usize, seeds: Range<u64>) -> ([[f64; 2]; 3], f64) {
+    let count = (seeds.end - seeds.start) as f64 * 3.0 * LATER as f64;
+    let (mut sums, mut inside) = ([[0.0; 2]; 3], 0.0);
+    for seed in seeds {
+        let run = Grips::drawn(rows + LATER, seed);
+        let (fitted, later) = run.postures.split_at(rows);
+        let (data, options) = (run.data(fitted), IdentifyOptions::axes(&run.chain));
+        let found = identify(&run.chain, &data, &options);
+        let judged = run.data(later);
+        let whole = Layout::new(&run.chain, &judged.scene, &options.freedom, &options.tolerances, Vec::new());
+        for (sum, arm) in sums.iter_mut().zip([&found.nominal.arm, &found.geometric.arm]) {
+            for off in later.iter().map(|q| apart(arm, q)) {
+                sum[0] += off.fixed_rows::<3>(0).norm_squared();
+                sum[1] += off.fixed_rows::<3>(3).norm_squared();
+            }
+        }
+        let fit = &found.geometric;
+        let (ahead, _) = apart_follows(&judged, &whole, &fit.arm);
+        let (_, columns) = apart_follows(&data, &fit.layout, &fit.arm);
+        let covariance = fit.covariance.select_columns(&columns).select_rows(&columns);
+        let variance = (&ahead * covariance).component_mul(&ahead).column_sum();
+        for (row, q) in later.iter().enumerate() {
+            let left = true_target(&fit.arm, q, 0).rotation;
+            let off = apart(&fit.arm, q);
+            // In the base frame, as the rows are.
+            let off = [0, 3].map(|first| left * off.fixed_rows::<3>(first).into_owned());
+            for k in 0..6 {
+                inside += f64::from(u8::from(off[k / 3][k % 3].abs() < 1.96 * variance[6 * row + k].sqrt()));
+            }
+        }
+        // The bound at the true robot. Parameters in units of a thousandth, for the numbers' sake.
+        let layout = Layout::new(&run.chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
+        let (near, _) = apart_follows(&data, &layout, &run.truth);
+        let near = DMatrix::from_fn(near.nrows(), near.ncols(), |row, k| near[(row, k)] * 1e-3 / SLACK[row / 3 % 2]);
+        let (far, _) = apart_follows(&judged, &whole, &run.truth);
+        let far = far * 1e-3;
+        let mut information = near.transpose() * near;
+        let joints = layout.joints.len();
+        let mut prior = information.view_mut((0, 0), (joints, joints));
+        prior += &layout.prior.precision * 1e-6;
+        (0..far.ncols()).for_each(|k| information[(k, k)] += 1e-6);
+        let bound = information.cholesky().unwrap().inverse();
+        let variance = (&far * bound).component_mul(&far).column_sum();
+        variance.iter().enumerate().for_each(|(row, variance)| sums[2][row / 3 % 2] += variance);
+    }
+    (sums.map(|sum| sum.map(|sum| (sum / count).sqrt())), inside / (2.0 * count))
 }

@@ -65,8 +65,13 @@ pub fn efficiency_of(
         let options = SimulationOptions { seed, ..options.clone() };
         let run = simulate(chain, &options, &NoEffects);
         let fit = identify(chain, &run.data, &IdentifyOptions::axes(chain)).geometric;
-        let later =
-            SimulationOptions { seed: seed + 1_000_000, noise_pixel: 0.0, noise_position: 0.0, ..options.clone() };
+        let later = SimulationOptions {
+            seed: seed + 1_000_000,
+            noise_pixel: 0.0,
+            noise_position: 0.0,
+            noise_orientation: 0.0,
+            ..options.clone()
+        };
         let test = simulate_arm(&run.arm, &later, &NoEffects).data;
         let sigma = sigma(&run.data, &options);
         let layout = &fit.layout;

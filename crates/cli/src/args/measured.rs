@@ -17,6 +17,10 @@ pub enum MeasureName {
     Planes,
     /// Readings of a dial gauge on the tip that stands on plates: dial, setup
     Dial,
+    /// Direction of gravity as an accelerometer at rest reads it: gravity_x,gravity_y,gravity_z
+    Gravity,
+    /// Angles of an inclinometer's two axes above the horizontal: inclination_x,inclination_y
+    Inclination,
 }
 
 /// What effects follow, where no file says it.

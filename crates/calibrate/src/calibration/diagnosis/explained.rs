@@ -2,6 +2,7 @@
 
 use crate::identify::residual_statistics::each_residual;
 use crate::identify::solve::Fit;
+use crate::observation::kinds::Frame;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -110,7 +111,7 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
             _ => continue,
         };
         // A gauge reads how far the robot is from its drawing, and no motion that the drawing explains.
-        if of.kind.unknowns().plane {
+        if of.kind.unknowns().frame == Frame::Plane {
             continue;
         }
         own.measured.push(measured);

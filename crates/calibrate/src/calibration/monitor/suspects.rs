@@ -6,6 +6,7 @@ use super::{Prediction, quantile};
 use crate::identify::residual::{ResidualModel, Scratch};
 use crate::identify::solve::Fit;
 use crate::observation::arm::Arm;
+use crate::observation::kinds::Frame;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn, Rotation3, Vector3, Vector6};
@@ -113,7 +114,8 @@ pub(super) fn explanations(fit: &Fit<NoEffects>, data: &Measurements, rows: &[us
     let mut suspects: Vec<Suspect> = (0..data.joints.len()).map(Suspect::Reading).collect();
     for series in (0..few.observations()).map(|observation| few.series_of(observation)) {
         let target = Suspect::Target(series.target, data.scene.turns(series.target));
-        let instrument = series.kind.unknowns().instrument.then_some(Suspect::Instrument(series.setup));
+        let own = series.kind.unknowns().frame == Frame::Instrument;
+        let instrument = own.then_some(Suspect::Instrument(series.setup));
         for suspect in std::iter::once(target).chain(instrument) {
             if !suspects.contains(&suspect) {
                 suspects.push(suspect);

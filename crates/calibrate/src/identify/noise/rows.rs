@@ -232,13 +232,13 @@ fn raw_rows<E: Effects>(
 
 /// What a lever does in every row; `None` where there is no noise of orientations, or where positions are weighed by axes of their own.
 fn arms<E: Effects>(rows: &[Raw], fit: &Fit<E>, data: &Measurements, sources: &[Source]) -> Option<Arms> {
-    let channel = data.scene.channels.iter().position(|part| part.by_turn)?;
+    let posed = data.scene.series.iter().find(|series| series.kind.turn().is_some())?;
+    let [Some(place), Some(channel)] = posed.channels else { return None };
     let source = sources.iter().position(|source| source.place == Place::Level(channel))?;
     let weighed = |row: &Raw| data.of_row(row.row).any(|observation| data.observed.level(observation).is_some());
     if rows.iter().any(weighed) {
         return None;
     }
-    let place = data.scene.series.iter().find(|series| series.kind.turn().is_some())?.channels[0]?;
     let unit = fit.noise.levels[place] / fit.noise.levels[channel];
     let of_row = |row: &Raw| {
         let own = row.factors.iter().find(|factor| factor.source == source)?;

@@ -5,7 +5,7 @@
 //! found with the rest, as a direction told to a milliradian would be off by a tenth of a millimetre over a hand's breadth.
 
 use super::plane::{in_plane, normal, plane_columns, through};
-use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use super::{Discrepancy, Disturbance, Follows, Frame, Observe, Part, Rows, Seen, Unknowns};
 use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::Pose;
@@ -32,7 +32,7 @@ impl Observe for Dial {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { plane: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Plane, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

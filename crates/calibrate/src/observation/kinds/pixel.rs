@@ -10,7 +10,7 @@
 //! Either way the tip's motion moves the corner against the camera as if the corner sat on the tip: forward, or back.
 
 use super::ObservationKind;
-use super::{Discrepancy, Disturbance, Follows, Observe, POSE, Part, Rows, Seen, Unknowns};
+use super::{Discrepancy, Disturbance, Follows, Frame, Observe, POSE, Part, Rows, Seen, Unknowns};
 use crate::observation::board::{Camera, board_pose};
 use crate::observation::measurements::{MeasurementError, Series};
 use crate::observation::parameters::{Layout, Sensitivity};
@@ -85,7 +85,7 @@ impl Observe for Pixel {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { instrument: true, turn: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Instrument, turn: true, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

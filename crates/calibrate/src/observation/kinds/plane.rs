@@ -3,7 +3,7 @@
 //! r = -(X p)·z, m, with X the frame of the plane, whose plane z = 0 it is, and p the middle of the ball. Nothing is read: the
 //! joint readings are the measurement. The ball's radius is part of where the plane is found.
 
-use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use super::{Discrepancy, Disturbance, Follows, Frame, Observe, Part, Rows, Seen, Unknowns};
 use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix2, Matrix3, Point3, Rotation3, Vector2, Vector3};
@@ -81,7 +81,7 @@ impl Observe for Plane {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { plane: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Plane, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

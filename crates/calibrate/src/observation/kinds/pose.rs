@@ -3,7 +3,7 @@
 //! The place as a [position](super::position); of the orientation r = log(Rx⁻¹ Rm (R(T) Rt)⁻¹), rad, base frame. Stored as
 //! x, y, z and the rotation matrix column by column.
 
-use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns, position};
+use super::{Discrepancy, Disturbance, Follows, Frame, Observe, Part, Rows, Seen, Unknowns, position};
 use crate::observation::measurements::{MeasurementError, QUATERNION_TOLERANCE};
 use crate::observation::parameters::{Layout, Sensitivity};
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -34,7 +34,7 @@ impl Observe for Pose {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { instrument: true, turn: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Instrument, turn: true, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

@@ -3,7 +3,7 @@
 //! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target. The instrument stands at the origin of
 //! the frame in which it reads, so m/|m| is its line of sight.
 
-use super::{Discrepancy, Disturbance, Follows, Observe, Part, Rows, Seen, Unknowns};
+use super::{Discrepancy, Disturbance, Follows, Frame, Observe, Part, Rows, Seen, Unknowns};
 use crate::observation::arm::AlongSight;
 use crate::observation::measurements::MeasurementError;
 use crate::observation::parameters::{Layout, Sensitivity};
@@ -75,7 +75,7 @@ impl Observe for Position {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { instrument: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Instrument, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

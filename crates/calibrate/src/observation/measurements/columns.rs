@@ -1,8 +1,9 @@
 //! What every column of a file was taken for: said in the report, so that nothing is left out without a word.
 
 use super::Measurements;
-use super::header::{CONTACT, Header, Role};
+use super::header::{Header, OF_TWO_TIPS, Role};
 use super::near_miss::{KNOWN_COVARIATES, OF_JOINTS};
+use crate::observation::kinds::Frame;
 use denavit_model::{Inventory, Place};
 use serde::Serialize;
 
@@ -21,7 +22,9 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
         let of_joint = name
             .rsplit_once('.')
             .filter(|(joint, word)| OF_JOINTS.contains(word) && data.joints.iter().any(|known| known == joint));
-        if KNOWN_COVARIATES.contains(&name) || ([CONTACT, "tip"].contains(&name) && data.scene.tips().is_some()) {
+        if KNOWN_COVARIATES.contains(&name)
+            || ((name == "tip" || OF_TWO_TIPS.iter().any(|(word, _)| *word == name)) && data.scene.tips().is_some())
+        {
             return name.to_owned();
         }
         if let Some((joint, word)) = of_joint {
@@ -42,9 +45,11 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
                 };
                 if group.corner.is_some() {
                     "pixels of corners of the board".into()
+                } else if group.kind.is_turned_alone() {
+                    format!("{} of {target}", group.kind.plural())
                 } else if *column >= group.kind.lengths() {
                     format!("orientation of {target} (quaternion)")
-                } else if group.kind.unknowns().instrument {
+                } else if group.kind.unknowns().frame == Frame::Instrument {
                     format!("position of {target}")
                 } else {
                     format!("{} of {target}", group.kind.name())

@@ -3,6 +3,7 @@
 
 use super::Measurements;
 use super::scene::label_of;
+use crate::observation::kinds::Frame;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Rows with fewer measured numbers may agree to the last digit by chance.
@@ -87,7 +88,11 @@ impl Measurements {
             let target = self.scene.targets[series.target].split('@').next().unwrap_or("");
             let point = series.point.map_or("", |point| label_of(&self.scene.points[point]));
             // A plane is a setup, and its label is what tells it from others.
-            let plane = if series.kind.unknowns().plane { self.scene.setups[series.setup].as_str() } else { "" };
+            let plane = if series.kind.unknowns().frame == Frame::Plane {
+                self.scene.setups[series.setup].as_str()
+            } else {
+                ""
+            };
             let own = if series.kind.own_target().is_some() { point } else { last_part(point) };
             let corner = series.corner.as_ref().map_or("", |corner| corner.label.as_str());
             seen.push([series.kind.name(), target, if corner.is_empty() { own } else { corner }, last_part(plane)]);

@@ -3,7 +3,7 @@
 use super::measurement_error::MeasurementError;
 use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
 use crate::observation::board::Sight;
-use crate::observation::kinds::{KINDS, ObservationKind, PIXEL, SOCKET};
+use crate::observation::kinds::{GRAVITY, GRIP, INCLINATION, KINDS, ObservationKind, PIXEL, SOCKET};
 use denavit_model::{Coordinate, Quantity, Tips};
 use std::collections::HashSet;
 
@@ -49,8 +49,8 @@ pub(super) struct Group {
     pub label: Option<usize>,
     /// What tells the corners of a board apart, where it is of one.
     pub corner: Option<CornerOf>,
-    /// Whether two tips of the robot touch each other: each row has a place of its own where they do, and the label says which points of
-    /// the tips do.
+    /// Whether two tips of the robot touch each other, or hold one tool: each row has a place of its own where they do, and the label says
+    /// which points of the tips do, or which tool.
     pub of_two_tips: bool,
 }
 
@@ -65,8 +65,8 @@ pub(super) enum CornerOf {
     Placed([usize; 2]),
 }
 
-/// The column that says which points of two tips touch each other.
-pub(super) const CONTACT: &str = "contact";
+/// The columns that say which points of two tips touch each other, and which tool two tips hold.
+pub(super) const OF_TWO_TIPS: [(&str, ObservationKind); 2] = [("contact", SOCKET), ("grip", GRIP)];
 
 /// The columns that say where on a board a corner is.
 const ON_BOARD: [&str; 2] = ["board_x", "board_y"];
@@ -85,13 +85,15 @@ impl Header {
         let mut problems = naming(&names)?;
         let targets = targets(&names, &mut problems);
         let mut groups = groups(&names, &targets);
-        let contact = names.iter().position(|name| name == CONTACT);
-        if let Some(column) = contact.filter(|_| tips.is_some()) {
-            let target = SOCKET.own_target().unwrap_or("").to_owned();
-            let label = Some(column);
-            groups.push(Group { kind: SOCKET, target, columns: Vec::new(), label, corner: None, of_two_tips: true });
-        } else if contact.is_some() && groups.is_empty() {
-            return Err(vec![MeasurementError::ContactOfOneTip]);
+        problems.extend([GRAVITY, INCLINATION].into_iter().filter_map(|kind| part_of(kind, &names)));
+        for (word, kind) in OF_TWO_TIPS {
+            let label = names.iter().position(|name| name == word);
+            if label.is_some() && tips.is_some() {
+                let target = kind.own_target().unwrap_or("").to_owned();
+                groups.push(Group { kind, target, columns: Vec::new(), label, corner: None, of_two_tips: true });
+            } else if label.is_some() && groups.is_empty() {
+                return Err(vec![MeasurementError::TwoTipsOfOne(word)]);
+            }
         }
         match sight {
             Some(sight) => groups.extend(corners(&names, sight, &mut problems)),
@@ -184,6 +186,14 @@ fn targets(names: &[String], problems: &mut Vec<MeasurementError>) -> Vec<String
         }
     }
     targets
+}
+
+/// Some columns of a kind, and not all.
+fn part_of(kind: ObservationKind, names: &[String]) -> Option<MeasurementError> {
+    let columns = kind.columns("");
+    let present = columns.iter().find(|column| names.contains(column))?.clone();
+    let missing = columns.iter().find(|column| !names.contains(column))?.clone();
+    Some(MeasurementError::Incomplete { missing, present, group: columns.join(", ") })
 }
 
 /// The observations that a row may hold, by kind and target; no column belongs to two.
@@ -305,7 +315,7 @@ fn measured(
     problems: &mut Vec<MeasurementError>,
 ) {
     let has = |wanted: &str| names.iter().any(|name| name == wanted);
-    if groups.is_empty() && targets.is_empty() && pixels(names).is_empty() {
+    if groups.is_empty() && targets.is_empty() && pixels(names).is_empty() && problems.is_empty() {
         let other = |wanted: &str| {
             names.iter().zip(roles).find(|(name, role)| {
                 **role == Role::Other && (name.eq_ignore_ascii_case(wanted) || nearly(name, wanted))

@@ -1,7 +1,7 @@
 //! Several files in one fit, and the rows of some setups apart from the others.
 
 use super::{Covariate, DataError, DataProblem, Label, MeasurementError, Measurements, Scene, Target, label_of};
-use crate::observation::kinds::{ObservationKind, SOCKET};
+use crate::observation::kinds::{Frame, ObservationKind, SOCKET};
 use denavit_model::{Chain, Quantity};
 use std::io::Read;
 
@@ -133,8 +133,8 @@ impl Measurements {
 /// The names of setup, target and point in a setup of this name; what keeps to the tip keeps its name.
 pub(super) fn in_setup(kind: ObservationKind, setup: &str, target: &str, point: &str) -> (String, String, String) {
     let own = kind.own_setup();
-    // A plane is a setup, and its label tells it apart.
-    let (setup, point) = match (kind.unknowns().plane, setup.is_empty()) {
+    // A plane is a setup, and so is a tool in a row: its label tells it apart.
+    let (setup, point) = match (matches!(kind.unknowns().frame, Frame::Plane | Frame::Held), setup.is_empty()) {
         (true, true) => (point.to_owned(), ""),
         (true, false) if !point.is_empty() => (format!("{setup}/{point}"), ""),
         _ => (setup.to_owned(), point),

@@ -312,6 +312,16 @@ pub enum MeasurementError {
         /// Their names.
         columns: String,
     },
+    /// Gravity without a direction.
+    #[error("gravity_x, gravity_y and gravity_z are all 0; leave the three cells empty where nothing was read")]
+    NoDirection,
+    /// Two angles above the horizontal that no two axes at right angles to each other have.
+    #[error(
+        "inclination_x {:.4} and inclination_y {:.4} rad are no angles of two axes at right angles to each other above the horizontal; \
+         if the file is in degrees, say ‹units› m,deg",
+        .0[0], .0[1]
+    )]
+    NotTwoInclinations([f64; 2]),
     /// Several tips, and no word on which a row is of.
     #[error(
         "there is no column \"tip\", but several tips are calibrated; add one that names the tip of each row: {tips}"
@@ -330,7 +340,7 @@ pub enum MeasurementError {
     },
     /// A row of a contact that does not name two tips.
     #[error(
-        "column \"tip\": {}; a row with a contact names the two tips that touch, with a + between them: {tips}",
+        "column \"tip\": {}; a row with a contact or a grip names both tips, with a + between them: {tips}",
         said(found)
     )]
     NotTwoTips {
@@ -339,12 +349,12 @@ pub enum MeasurementError {
         /// The tips.
         tips: String,
     },
-    /// Contacts of a robot that is calibrated to one tip.
+    /// Contacts or grips of a robot that is calibrated to one tip.
     #[error(
-        "column \"contact\": two tips of the robot touch each other, and one is named; name both (‹tip› LINK ‹tip› LINK), or call a \
+        "column \"{0}\": it is of two tips of the robot, and one is named; name both (‹tip› LINK ‹tip› LINK), or call a \
          place that does not move with the robot a socket"
     )]
-    ContactOfOneTip,
+    TwoTipsOfOne(&'static str),
     /// A row of another tip than the one that is calibrated.
     #[error(
         "column \"tip\": the row is of \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \

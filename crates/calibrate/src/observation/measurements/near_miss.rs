@@ -9,7 +9,23 @@ pub(super) const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"
 /// What a joint's own column may say beside its reading.
 pub(super) const OF_JOINTS: [&str; 3] = ["velocity", "approach", "temperature"];
 /// Names of measured values.
-pub(super) const KNOWN_VALUES: [&str; 10] = ["x", "y", "z", "qx", "qy", "qz", "qw", "distance", "locate", "hole"];
+pub(super) const KNOWN_VALUES: [&str; 15] = [
+    "x",
+    "y",
+    "z",
+    "qx",
+    "qy",
+    "qz",
+    "qw",
+    "distance",
+    "locate",
+    "hole",
+    "gravity_x",
+    "gravity_y",
+    "gravity_z",
+    "inclination_x",
+    "inclination_y",
+];
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 

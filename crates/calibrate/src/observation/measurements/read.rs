@@ -28,6 +28,8 @@ const HEAD: u64 = 1 << 18;
 const LARGEST_WRITTEN: f64 = 1e12;
 /// No recorded number is larger: the time since 1970 in nanoseconds has 19 digits.
 const LARGEST_RECORDED: f64 = 1e20;
+/// An accelerometer at rest reads gravity as large in every posture, but for scales and zeros of its axes of as much; relative.
+const UNEVEN: f64 = 0.02;
 /// No instrument is surer than this, m.
 const LEAST_DEVIATION: f64 = 1e-12;
 
@@ -77,6 +79,15 @@ pub enum DataNote {
         /// The largest deviation from 1.
         by: f64,
     },
+    /// Rows in which gravity is read larger or smaller than in the others.
+    UnevenGravity {
+        /// In most rows, in the file's unit.
+        usual: f64,
+        /// The largest deviation, relative.
+        by: f64,
+        /// Their lines.
+        lines: Vec<usize>,
+    },
     /// Rows in which nothing was measured.
     NothingMeasured {
         /// Their lines.
@@ -106,14 +117,27 @@ impl fmt::Display for DataNote {
                 write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
             }
             Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
+            Self::UnevenGravity { usual, by, lines } => write!(
+                f,
+                "gravity is read as {usual:.4} in most rows and up to {:.1} % off in {} of them, lines {}; only its direction is \
+                 used: did the sensor stand still, and is it calibrated?",
+                by * 100.0,
+                lines.len(),
+                listed(lines)
+            ),
             Self::NothingMeasured { lines } => {
-                let shown: Vec<String> = lines.iter().take(MOST_PROBLEMS).map(usize::to_string).collect();
-                let more = if lines.len() > MOST_PROBLEMS { ", …" } else { "" };
-                write!(f, "in {} rows nothing was measured, lines {}{more}", lines.len(), shown.join(", "))
+                write!(f, "in {} rows nothing was measured, lines {}", lines.len(), listed(lines))
             }
             Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
         }
     }
+}
+
+/// The first lines of a note.
+fn listed(lines: &[usize]) -> String {
+    let shown: Vec<String> = lines.iter().take(MOST_PROBLEMS).map(usize::to_string).collect();
+    let more = if lines.len() > MOST_PROBLEMS { ", …" } else { "" };
+    format!("{}{more}", shown.join(", "))
 }
 
 /// Reads measured data for a chain.
@@ -399,6 +423,8 @@ struct Table<'a> {
     tip: usize,
     /// Standard deviations of the lengths of each observation, m.
     spreads: Vec<[f64; 3]>,
+    /// Lines, and how large there what is as large in every row of a sensor that stands still.
+    strengths: Vec<(u64, f64)>,
     /// The camera, where there is one.
     images: Option<Images<'a>>,
 }
@@ -410,6 +436,7 @@ impl<'a> Table<'a> {
         let factor = |(name, role): (&String, &Role)| match role {
             Role::Joint(index) => of(coordinates[*index].quantity),
             Role::Value(group, column) if *column < header.groups[*group].kind.lengths() => units.length,
+            Role::Value(group, _) if header.groups[*group].kind.has_angles() => units.angle,
             Role::Other => quantity_of(name, coordinates).map_or(1.0, of),
             Role::Spread(_) | Role::Corner => units.length,
             Role::Value(..) | Role::Locate => 1.0,
@@ -444,8 +471,8 @@ impl<'a> Table<'a> {
             }
         }
         let tips = tips.cloned();
-        let (spreads, images) = (Vec::new(), None);
-        Self { header, factors, data, others, normalised_by: 0.0, series, tips, tip: 0, spreads, images }
+        let (spreads, strengths, images) = (Vec::new(), Vec::new(), None);
+        Self { header, factors, data, others, normalised_by: 0.0, series, tips, tip: 0, spreads, strengths, images }
     }
 
     fn row(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
@@ -553,8 +580,8 @@ impl<'a> Table<'a> {
     fn tips_of(&self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) -> Vec<usize> {
         let (Some(tips), Some(column)) = (&self.tips, self.header.tip) else { return vec![0] };
         let found = record.get(column).unwrap_or("");
-        let both = self.header.groups.iter().find(|group| group.of_two_tips).and_then(|group| group.label);
-        let touching = both.and_then(|column| record.get(column)).is_some_and(|label| !label.is_empty());
+        let mut both = self.header.groups.iter().filter(|group| group.of_two_tips).filter_map(|group| group.label);
+        let touching = both.any(|column| record.get(column).is_some_and(|label| !label.is_empty()));
         let named: Vec<Option<usize>> = match found.split_once('+').filter(|_| touching) {
             Some((first, second)) => [first, second].map(|name| tips.position(name.trim())).into(),
             None => vec![tips.position(found)],
@@ -598,6 +625,7 @@ impl<'a> Table<'a> {
         match of.kind.of_cells(&there, &mut values) {
             Ok(changed) => {
                 self.normalised_by = self.normalised_by.max(changed);
+                self.strengths.extend(of.kind.strength(&there).map(|strength| (line, strength)));
                 let series = self.series_of(group, setup, label, line);
                 self.data.observed.push(series, &values);
                 self.keep_spread(spread);
@@ -733,6 +761,7 @@ impl<'a> Table<'a> {
         if self.normalised_by > 1e-5 {
             notes.push(DataNote::Normalised { by: self.normalised_by });
         }
+        notes.extend(uneven(&self.strengths));
         self.levels();
         if self.images.is_some() && !self.data.observed.is_empty() {
             match images::range(&self.data) {
@@ -757,6 +786,21 @@ impl<'a> Table<'a> {
         }
         Ok(Loaded { data: self.data, notes, columns, inventory })
     }
+}
+
+/// The rows of an accelerometer in which it did not stand still.
+fn uneven(strengths: &[(u64, f64)]) -> Option<DataNote> {
+    let mut sorted: Vec<f64> = strengths.iter().map(|(_, strength)| *strength).collect();
+    sorted.sort_by(f64::total_cmp);
+    let usual = *sorted.get(sorted.len() / 2)?;
+    let off = |strength: f64| (strength / usual - 1.0).abs();
+    let lines: Vec<usize> = strengths
+        .iter()
+        .filter(|(_, strength)| off(*strength) > UNEVEN)
+        .map(|(line, _)| usize::try_from(*line).unwrap_or(usize::MAX))
+        .collect();
+    let by = strengths.iter().map(|(_, strength)| off(*strength)).fold(0.0, f64::max);
+    (!lines.is_empty()).then_some(DataNote::UnevenGravity { usual, by, lines })
 }
 
 /// The first row that is said to be of another tip than the chain's.

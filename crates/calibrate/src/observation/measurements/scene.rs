@@ -1,9 +1,9 @@
 //! What is measured, of what and with what: setups, targets, points that stand still, and series of observations.
 
 use crate::observation::board::{Camera, Corner, Sight};
-use crate::observation::kinds::{ObservationKind, Part};
+use crate::observation::kinds::{Frame, ObservationKind, Part};
 use denavit_model::{Chain, Tips};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Observations of one kind, of one target, in one setup.
@@ -296,19 +296,49 @@ impl Scene {
         self.kinds().iter().map(|kind| kind.plural()).collect::<Vec<_>>().join(" and ")
     }
 
-    /// Whether the frame of a setup's instrument is seen at all.
+    /// Whether the frame of a setup's instrument is seen at all, or that of a tool which two tips hold.
     pub fn has_instrument(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().instrument)
+        self.is_held(setup)
+            || self
+                .series
+                .iter()
+                .any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Instrument)
+    }
+
+    /// Whether a setup is a tool that two tips hold, in one row.
+    pub fn is_held(&self, setup: usize) -> bool {
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Held)
+    }
+
+    /// Of the tips that hold one tool the target of the first: its frame is the tool's.
+    pub fn tool_frames(&self) -> BTreeSet<usize> {
+        let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+        for series in self.series.iter().filter(|series| series.kind.unknowns().frame == Frame::Held) {
+            let target = first.entry(series.setup).or_insert(series.target);
+            *target = series.target.min(*target);
+        }
+        first.into_values().collect()
     }
 
     /// Whether a setup's frame is seen by its plane z = 0 alone.
     pub fn has_plane(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().plane)
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Plane)
+    }
+
+    /// Whether a setup's frame is seen by its z axis alone, which gravity pulls against.
+    pub fn has_level(&self, setup: usize) -> bool {
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Level)
+    }
+
+    /// Whether where a target sits on its tip makes a difference.
+    pub fn places(&self, target: usize) -> bool {
+        let mut own = self.series.iter().filter(|series| series.target == target).peekable();
+        own.peek().is_none() || own.any(|series| !series.kind.is_turned_alone())
     }
 
     /// Whether anything is read in an instrument's frame.
     pub fn has_instruments(&self) -> bool {
-        self.series.iter().any(|series| series.kind.unknowns().instrument)
+        self.series.iter().any(|series| series.kind.unknowns().frame == Frame::Instrument)
     }
 
     /// Whether a target's orientation on the tip is seen.
