@@ -290,7 +290,7 @@ fn with_tools_held(chain: &Chain, data: &Measurements, mut arm: Arm) -> Arm {
     let mut seen: BTreeMap<usize, Vec<(usize, Pose)>> = BTreeMap::new();
     for (row, tip) in tips.iter().enumerate() {
         for series in data.of_row(row).map(|observation| data.series_of(observation)) {
-            if series.kind.unknowns().frame == Frame::Held {
+            if series.kind.unknowns().frame == Frame::Grip {
                 seen.entry(series.setup).or_default().push((series.target, *tip));
             }
         }

@@ -107,7 +107,7 @@ pub enum Frame {
     /// All of it: that of the instrument, in which it reads.
     Instrument,
     /// All of it: that of a tool which two tips hold, in every row another.
-    Held,
+    Grip,
     /// The plane z = 0.
     Plane,
     /// The direction z, which gravity pulls against.

@@ -32,7 +32,7 @@ impl Observe for Grip {
     }
 
     fn unknowns(&self) -> Unknowns {
-        Unknowns { frame: Frame::Held, turn: true, ..Unknowns::default() }
+        Unknowns { frame: Frame::Grip, turn: true, ..Unknowns::default() }
     }
 
     fn numbers(&self) -> usize {

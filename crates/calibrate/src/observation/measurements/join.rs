@@ -134,7 +134,7 @@ impl Measurements {
 pub(super) fn in_setup(kind: ObservationKind, setup: &str, target: &str, point: &str) -> (String, String, String) {
     let own = kind.own_setup();
     // A plane is a setup, and so is a tool in a row: its label tells it apart.
-    let (setup, point) = match (matches!(kind.unknowns().frame, Frame::Plane | Frame::Held), setup.is_empty()) {
+    let (setup, point) = match (matches!(kind.unknowns().frame, Frame::Plane | Frame::Grip), setup.is_empty()) {
         (true, true) => (point.to_owned(), ""),
         (true, false) if !point.is_empty() => (format!("{setup}/{point}"), ""),
         _ => (setup.to_owned(), point),

@@ -307,13 +307,13 @@ impl Scene {
 
     /// Whether a setup is a tool that two tips hold, in one row.
     pub fn is_held(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Held)
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Grip)
     }
 
     /// Of the tips that hold one tool the target of the first: its frame is the tool's.
     pub fn tool_frames(&self) -> BTreeSet<usize> {
         let mut first: BTreeMap<usize, usize> = BTreeMap::new();
-        for series in self.series.iter().filter(|series| series.kind.unknowns().frame == Frame::Held) {
+        for series in self.series.iter().filter(|series| series.kind.unknowns().frame == Frame::Grip) {
             let target = first.entry(series.setup).or_insert(series.target);
             *target = series.target.min(*target);
         }
