@@ -21,10 +21,11 @@ fn intervals_of_touches_hold_the_truth() {
 
 #[test]
 fn a_tool_in_both_hands_calibrates_both_arms_as_well_as_can_be() {
+    // Three runs tell the ratio to some tenths; study_contact has more.
     let ([drawn, fitted, bound], share) = grip_errors(20, 0..3);
     println!("as drawn {drawn:?}, fitted {fitted:?}, bound {bound:?} m and rad; {share:.3} of the 95 % intervals");
     for k in 0..2 {
-        assert!(drawn[k] > 5.0 * fitted[k] && (0.8..1.2).contains(&(fitted[k] / bound[k])), "{k}");
+        assert!(drawn[k] > 5.0 * fitted[k] && (0.7..1.3).contains(&(fitted[k] / bound[k])), "{k}");
     }
     assert!((0.90..0.99).contains(&share), "{share}");
 }
