@@ -273,19 +273,14 @@ class Chain(Shown, Frozen):
         if near.shape != (n,) or not np.isfinite(near).all():
             raise ArgumentError(f"q0 has shape {near.shape}; give one finite value for each of the {n} joints")
         leading = matrices.shape[:-2]
-        values, names, within, reached, method = self._native.ik(matrices.reshape(-1, 16), near.tolist())
-        count = len(reached)
-        most = max((len(row) for row in names), default=0)
-        mask = np.zeros((count, most), dtype=np.bool_)
-        labels = np.full((count, most), None, dtype=np.object_)
-        for row in range(count):
-            mask[row, : len(within[row])] = np.asarray(within[row], dtype=np.bool_) & reached[row]
-            labels[row, : len(names[row])] = names[row]
+        values, codes, within, reached, names, method = self._native.ik(matrices.reshape(-1, 16), near.tolist())
+        most = len(codes) // max(len(reached), 1)
+        mask = within.reshape(len(reached), most) & reached[:, None]
         return Solutions(
             q=values.reshape(*leading, most, n),
             mask=mask.reshape(*leading, most),
-            reached=np.asarray(reached, dtype=np.bool_).reshape(leading),
-            names=labels.reshape(*leading, most),
+            reached=reached.reshape(leading),
+            names=np.array(names, dtype=np.object_)[codes].reshape(*leading, most),
             method=method,
         )
 

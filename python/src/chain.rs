@@ -7,7 +7,7 @@ use crate::table::Table;
 use denavit_calibrate::apply::simulate;
 use denavit_dh::Gauge;
 use denavit_export::{Units, poe};
-use denavit_ik::{Solutions, Solver};
+use denavit_ik::{Branch, Solutions, Solver};
 use denavit_load::{Loaded, Selection, TableOptions};
 use denavit_model::chain::Quantity;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
@@ -20,9 +20,32 @@ use std::sync::Arc;
 /// Name, `angle` or `length`, lower and upper limit, velocity, effort, continuous.
 type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f64>, Option<f64>, bool);
 
-/// Solutions of inverse kinematics for each pose, as many as the pose with the most has: joint values (NaN where there are fewer), branch
-/// names, whether within limits; for each pose whether it is reached.
-type Branches<'py> = (Bound<'py, PyArray1<f64>>, Vec<Vec<Option<String>>>, Vec<Vec<bool>>, Vec<bool>, String);
+/// Solutions of inverse kinematics for each pose, as many as the pose with the most has: joint values (NaN where there are fewer), branches by their
+/// place among the names, whether within limits; for each pose whether it is reached; names, the last of them none; the method.
+type Branches<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i8>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+    Vec<Option<String>>,
+    String,
+);
+
+/// The place of a branch without a name among the names.
+const NAMELESS: i8 = 8;
+
+/// The place of a branch among the names.
+fn code(branch: Option<Branch>) -> i8 {
+    branch.map_or(NAMELESS, |Branch { front, elbow_up, flipped }| {
+        i8::from(front) | (i8::from(elbow_up) << 1) | (i8::from(flipped) << 2)
+    })
+}
+
+/// Names of branches in the order of their places.
+fn branch_names() -> Vec<Option<String>> {
+    let named = |code: u8| Branch { front: code & 1 != 0, elbow_up: code & 2 != 0, flipped: code & 4 != 0 };
+    (0..8).map(|code| Some(named(code).to_string())).chain([None]).collect()
+}
 
 /// A chain of joints from a base to a tip.
 #[pyclass(frozen, module = "denavit._denavit")]
@@ -51,6 +74,22 @@ impl Chain {
             reading: reading(self.exact),
         }
     }
+}
+
+/// Rows of `counts` entries of `width` values each, filled up to `most` entries.
+fn padded<T: Copy>(values: Vec<T>, counts: &[usize], most: usize, width: usize, with: T) -> Vec<T> {
+    if counts.iter().all(|count| *count == most) {
+        return values;
+    }
+    let mut rows = Vec::with_capacity(counts.len() * most * width);
+    let mut rest = &values[..];
+    for count in counts {
+        let (own, after) = rest.split_at(count * width);
+        rows.extend_from_slice(own);
+        rows.resize(rows.len() + (most - count) * width, with);
+        rest = after;
+    }
+    rows
 }
 
 /// The work, with the interpreter unlocked where there is much of it.
@@ -179,7 +218,8 @@ impl Chain {
         let (matrices, count) = (poses.values()?.as_chunks::<16>().0, poses.count());
         let n = self.compiled.coordinates();
         let solver = Solver::new(&self.chain);
-        let mut found = Vec::with_capacity(count);
+        let (mut joints, mut codes, mut within) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut counts, mut reached) = (Vec::with_capacity(count), Vec::with_capacity(count));
         worked(py, count, || {
             let (mut solutions, mut from) = (Solutions::default(), near);
             for matrix in matrices {
@@ -187,27 +227,32 @@ impl Chain {
                 let rotation = Rotation3::from_matrix_unchecked(rotation);
                 let place = Vector3::new(matrix[3], matrix[7], matrix[11]);
                 solver.solve_into(&se3::pose(se3::orthonormalised(&rotation), place), &from, &mut solutions);
-                let all: Vec<_> = solutions.iter().map(|(joints, found)| (joints.to_vec(), *found)).collect();
-                if let Some((joints, _)) = all.first().filter(|_| solutions.reached()) {
-                    from.clone_from(joints);
+                if let Some((joints, _)) = solutions.iter().next().filter(|_| solutions.reached()) {
+                    from.copy_from_slice(joints);
                 }
-                found.push((all, solutions.reached()));
+                let before = codes.len();
+                for (found, of) in solutions.iter() {
+                    joints.extend_from_slice(found);
+                    codes.push(code(of.branch));
+                    within.push(of.within_limits);
+                }
+                counts.push(codes.len() - before);
+                reached.push(solutions.reached());
             }
         });
-        let most = found.iter().map(|(all, _)| all.len()).max().unwrap_or(0);
-        let mut values = vec![f64::NAN; count * most * n];
-        for (row, (all, _)) in found.iter().enumerate() {
-            for (branch, (joints, _)) in all.iter().enumerate() {
-                values[(row * most + branch) * n..][..n].copy_from_slice(joints);
-            }
-        }
-        let names = found.iter().map(|(all, _)| {
-            all.iter().map(|(_, found)| found.branch.map(|branch| branch.to_string())).collect::<Vec<_>>()
-        });
-        let within = found.iter().map(|(all, _)| all.iter().map(|(_, found)| found.within_limits).collect());
-        let reached = found.iter().map(|(_, reached)| *reached).collect();
+        let most = counts.iter().copied().max().unwrap_or(0);
+        let joints = padded(joints, &counts, most, n, f64::NAN);
+        let codes = padded(codes, &counts, most, 1, NAMELESS);
+        let within = padded(within, &counts, most, 1, false);
         let method = solver.method().to_string();
-        Ok((PyArray1::from_vec(py, values), names.collect(), within.collect(), reached, method))
+        Ok((
+            PyArray1::from_vec(py, joints),
+            PyArray1::from_vec(py, codes),
+            PyArray1::from_vec(py, within),
+            PyArray1::from_vec(py, reached),
+            branch_names(),
+            method,
+        ))
     }
 
     /// The tip's origin in the base frame.

@@ -25,6 +25,10 @@ def test_every_branch_leads_back_to_its_pose(chain: dn.Chain) -> None:
         branches = found.q[row][found.mask[row]]
         assert np.abs(chain.fk(branches) - poses[row]).max() < 1e-9
     assert "parallel" in found.method
+    named = np.isfinite(found.q[..., 0])
+    assert all((name is not None) == there for name, there in zip(found.names.flat, named.flat, strict=True))
+    assert all(len(set(row[there])) == there.sum() for row, there in zip(found.names, named, strict=True) if there.sum() <= 8)
+    assert chain.ik(np.zeros((0, 4, 4))).q.shape == (0, 0, 6)
 
 
 def test_a_path_keeps_its_branch_and_one_pose_has_no_leading_axis(chain: dn.Chain) -> None:
