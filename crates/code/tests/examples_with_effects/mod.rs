@@ -4,8 +4,9 @@
 use denavit_code::effects::{
     Action, Argument, Averaged, Bump, Case, Curve, Driver, Effects, Input, Masses, Model, Move, Spread, Term, postures,
 };
-use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
-use denavit_model::{Chain, Pose, examples};
+use denavit_model::chain::{Limits, Quantity};
+use denavit_model::nalgebra::{DMatrix, Point3, Unit, Vector3, Vector6};
+use denavit_model::{Chain, ChainJoint, Coordinate, Pose, Screw, examples};
 
 /// m/s².
 const GRAVITY: f64 = 9.81;
@@ -234,7 +235,29 @@ fn of_four_joints() -> Effects {
     Effects { cases: cases(&chain, &[], pose), arguments: Vec::new(), averaged: None, model, chain: chain.clone() }
 }
 
+/// Seven joints: an arm on a rail that is longer than it reads.
+fn of_seven_joints() -> Effects {
+    let arm = examples::puma_like();
+    let mut coordinates = arm.coordinates().to_vec();
+    let slide = Coordinate { limits: Limits::between(-0.4, 0.4), ..Coordinate::unlimited("rail", Quantity::Length) };
+    coordinates.insert(0, slide);
+    let screw = Screw::Prismatic(Unit::new_normalize(Vector3::new(0.0, 1.0, 0.0)));
+    let mut joints = vec![ChainJoint { name: "rail".into(), screw, coordinate: 0, scale: 1.0, offset: 0.0 }];
+    joints.extend(arm.joints().iter().map(|joint| ChainJoint { coordinate: joint.coordinate + 1, ..joint.clone() }));
+    let chain = Chain::new(("on_a_rail", "base", "tip"), coordinates, joints, *arm.home()).expect("finite");
+    let mut model = bare(&chain);
+    model.terms =
+        vec![on_joint(&chain, 0, Driver::Reading(0), &[2e-3]), on_joint(&chain, 3, Driver::Reading(2), &[1e-3])];
+    let pose = |q: &[f64]| {
+        let mut actual = q.to_vec();
+        actual[0] += 2e-3 * q[0];
+        actual[3] += 1e-3 * q[2];
+        chain.fk(&actual)
+    };
+    Effects { cases: cases(&chain, &[], pose), arguments: Vec::new(), averaged: None, model, chain: chain.clone() }
+}
+
 /// All of them.
 pub fn all() -> Vec<Effects> {
-    vec![of_values(), of_gravity(), of_averages(0), of_averages(1), of_averages(2), of_four_joints()]
+    vec![of_values(), of_gravity(), of_averages(0), of_averages(1), of_averages(2), of_four_joints(), of_seven_joints()]
 }

@@ -280,7 +280,9 @@ fn cases(
     for (index, q) in code::postures(&effects.chain, ranges).into_iter().enumerate() {
         let told = |(k, argument): (usize, &code::Argument)| {
             let places = places(saved, &argument.name);
-            let upward = if (index + k) % 2 == 0 { 1.0 } else { -1.0 };
+            // A side, or so much of anything else that the arm moves by little.
+            let size = if argument.name.ends_with(APPROACH) { 1.0 } else { 0.05 };
+            let upward = if (index + k) % 2 == 0 { size } else { -size };
             places.get((index + k) % places.len().max(1)).copied().unwrap_or(upward)
         };
         let values: Vec<f64> = effects.arguments.iter().enumerate().map(told).collect();
