@@ -44,7 +44,8 @@ def shown(command: str, folder: Path) -> list[str]:
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, COLUMNS, 0, 0))
     words = [str(Path(program).resolve()), *shlex.split(command)[1:]]
-    running = subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, env=os.environ | {"TERM": "xterm-256color"})
+    environment = os.environ | {"TERM": "xterm-256color"}
+    running = subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, env=environment)
     os.close(theirs)
     out = b""
     while True:
@@ -91,8 +92,9 @@ def picture(lines: list[str], label: str) -> str:
     """Lines in a terminal's window."""
     width, height = round(24 + COLUMNS * WIDTH), 20 + HEIGHT * len(lines)
     rows = "\n".join(line_of_svg(line, 22 + HEIGHT * k) for k, line in enumerate(lines))
+    size = f'viewBox="0 0 {width} {height}" width="{width}"'
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img" aria-label="{escape(label)}">\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{escape(label)}">\n'
         f"<style>{STYLE}</style>\n"
         f'<rect width="{width}" height="{height}" rx="6" fill="#242933"/>\n{rows}\n</svg>\n'
     )
