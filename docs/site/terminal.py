@@ -35,7 +35,7 @@ PICTURES = {
 WIDTH, HEIGHT = 7.8, 18
 COLOURS = {"1": "bold", "2": "dim", "31": "red", "32": "green", "33": "yellow", "36": "cyan"}
 STYLE = """text{font:13px "DejaVu Sans Mono",Menlo,Consolas,monospace;fill:#d8dee9;white-space:pre}
-.prompt{fill:#8fbcbb}.bold{font-weight:bold}.dim{fill:#8b95a5}.red{fill:#f28b82}.green{fill:#a3be8c}.yellow{fill:#ebcb8b}.cyan{fill:#88c0d0}"""
+.bold{font-weight:bold}.dim{fill:#8b95a5}.red{fill:#f28b82}.green{fill:#a3be8c}.yellow{fill:#ebcb8b}.cyan{fill:#88c0d0}"""
 
 
 def shown(command: str, folder: Path) -> list[str]:

@@ -31,7 +31,7 @@ type Branches<'py> = (
     String,
 );
 
-/// The place of a branch without a name among the names.
+/// The place among the names of a branch that has none.
 const NAMELESS: i8 = 8;
 
 /// The place of a branch among the names.

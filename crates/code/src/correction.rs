@@ -214,7 +214,7 @@ impl<'a> Lowering<'a> {
                 let moment = self.moment(loads, joint);
                 let turning = self.sheet.dot(&loads.along[joint], &moment);
                 let force = self.sheet.dot(&loads.along[joint], &force);
-                self.sheet.products(&[(&turning, &Value::ONE), (&force, &number(pitch.metres_per_radian()))])
+                self.sheet.sum(&[(&turning, &Value::ONE), (&force, &number(pitch.metres_per_radian()))])
             }
         }
     }
@@ -236,10 +236,6 @@ impl<'a> Lowering<'a> {
 
     /// The values of a driver; how the arm stands is known where it is asked for.
     fn values(&mut self, driver: &Driver, standing: Option<&(Standing, Loads)>) -> Vec<Value> {
-        if driver.needs_posture() {
-            let (standing, loads) = standing.expect("who asks for gravity stands the arm first");
-            return self.values_of_gravity(driver, standing, loads);
-        }
         match driver {
             Driver::Constant(values) => values.iter().map(|value| number(*value)).collect(),
             Driver::Reading(joint) => vec![self.read(*joint)],
@@ -250,7 +246,7 @@ impl<'a> Lowering<'a> {
             }
             Driver::Bump { joint, at, width, shape } => {
                 let value = self.read(*joint);
-                let u = self.sheet.products(&[(&value, &number(1.0 / width)), (&number(-at / width), &Value::ONE)]);
+                let u = self.sheet.sum(&[(&value, &number(1.0 / width)), (&number(-at / width), &Value::ONE)]);
                 vec![self.bump(&u, *shape)]
             }
             Driver::Told(inputs) => {
@@ -268,7 +264,10 @@ impl<'a> Lowering<'a> {
                 places.iter().map(|place| self.choice(&value, &number(*place), 0.0, 1.0)).collect()
             }
             Driver::Smooth(input, knots) => self.hats(&Self::told(*input), knots),
-            _ => Vec::new(),
+            _ => {
+                let (standing, loads) = standing.expect("who asks for gravity stands the arm first");
+                self.values_of_gravity(driver, standing, loads)
+            }
         }
     }
 
@@ -281,14 +280,14 @@ impl<'a> Lowering<'a> {
             }
             Bump::Tent => {
                 let size = self.sheet.call(Function::Size, &[u]);
-                let height = self.sheet.products(&[(&Value::ONE, &Value::ONE), (&size, &number(-0.5))]);
+                let height = self.sheet.sum(&[(&Value::ONE, &Value::ONE), (&size, &number(-0.5))]);
                 self.sheet.call(Function::Most, &[&height, &Value::ZERO])
             }
             Bump::Wave => {
                 let size = self.sheet.call(Function::Size, &[u]);
                 let angle = self.sheet.times(u, &number(PI / 2.5));
                 let cosine = self.sheet.call(Function::Cosine, &[&angle]);
-                let height = self.sheet.products(&[(&number(0.5), &Value::ONE), (&cosine, &number(0.5))]);
+                let height = self.sheet.sum(&[(&number(0.5), &Value::ONE), (&cosine, &number(0.5))]);
                 self.sheet.call(Function::Choice, &[&number(2.5), &size, &Value::ZERO, &height])
             }
         }
@@ -301,11 +300,11 @@ impl<'a> Lowering<'a> {
         let mut hats = Vec::new();
         for k in 1..knots.len() {
             let slope = 1.0 / (knots[k] - knots[k - 1]);
-            let up = self.sheet.products(&[(&value, &number(slope)), (&number(-knots[k - 1] * slope), &Value::ONE)]);
+            let up = self.sheet.sum(&[(&value, &number(slope)), (&number(-knots[k - 1] * slope), &Value::ONE)]);
             let up = self.sheet.call(Function::Most, &[&up, &Value::ZERO]);
             let down = knots.get(k + 1).map_or(Value::ONE, |next| {
                 let slope = 1.0 / (next - knots[k]);
-                let down = self.sheet.products(&[(&value, &number(-slope)), (&number(next * slope), &Value::ONE)]);
+                let down = self.sheet.sum(&[(&value, &number(-slope)), (&number(next * slope), &Value::ONE)]);
                 self.sheet.call(Function::Most, &[&down, &Value::ZERO])
             });
             hats.push(self.sheet.call(Function::Choice, &[&number(knots[k]), &value, &down, &up]));
@@ -337,7 +336,7 @@ impl<'a> Lowering<'a> {
             Driver::HardeningTorque(joint, knee) => {
                 let torque = self.torque(loads, *joint);
                 let size = self.sheet.call(Function::Size, &[&torque]);
-                let below = self.sheet.products(&[(&Value::ONE, &Value::ONE), (&size, &number(1.0 / knee))]);
+                let below = self.sheet.sum(&[(&Value::ONE, &Value::ONE), (&size, &number(1.0 / knee))]);
                 let level = self.sheet.over(&torque, &below);
                 vec![torque, level]
             }
@@ -373,7 +372,7 @@ impl<'a> Lowering<'a> {
             }
             Driver::FrictionSide(joint, side, friction) => {
                 let torque = self.torque(loads, *joint);
-                let left = self.sheet.products(&[(&torque, &Value::ONE), (&number(-friction), &Self::told(*side))]);
+                let left = self.sheet.sum(&[(&torque, &Value::ONE), (&number(-friction), &Self::told(*side))]);
                 vec![self.choice(&left, &Value::ZERO, -1.0, 1.0)]
             }
             Driver::LoadedSide(joint, side) => {
@@ -381,7 +380,7 @@ impl<'a> Lowering<'a> {
                 let size = self.sheet.call(Function::Size, &[&torque]);
                 vec![self.sheet.times(&Self::told(*side), &size)]
             }
-            _ => Vec::new(),
+            _ => unreachable!("what needs no posture has its values before"),
         }
     }
 
@@ -432,7 +431,7 @@ impl<'a> Lowering<'a> {
             for (value, parts) in twist.iter_mut().zip(sums) {
                 let own = (value.clone(), Value::ONE);
                 let parts: Vec<_> = gathered(parts).into_iter().chain([own]).collect();
-                *value = self.sheet.products(&parts.iter().map(|(a, b)| (a, b)).collect::<Vec<_>>());
+                *value = self.sheet.sum(&parts.iter().map(|(a, b)| (a, b)).collect::<Vec<_>>());
             }
         }
     }
@@ -448,7 +447,7 @@ impl<'a> Lowering<'a> {
         let (value, unit) = (Value::named(name), self.model.joints[curve.joint].screw.twist());
         for row in 0..6 {
             let own = twists[curve.joint][row].clone();
-            twists[curve.joint][row] = self.sheet.products(&[(&own, &Value::ONE), (&value, &number(unit[row]))]);
+            twists[curve.joint][row] = self.sheet.sum(&[(&own, &Value::ONE), (&value, &number(unit[row]))]);
         }
     }
 
@@ -458,7 +457,7 @@ impl<'a> Lowering<'a> {
         let inside = self.inside(curve);
         let angle = match curve.interval {
             Some((low, width)) => {
-                self.sheet.products(&[(&reading, &number(PI / width)), (&number(-low * (PI / width)), &Value::ONE)])
+                self.sheet.sum(&[(&reading, &number(PI / width)), (&number(-low * (PI / width)), &Value::ONE)])
             }
             None => reading,
         };
@@ -625,7 +624,7 @@ impl Lowering<'_> {
         let (first, second) = (self.sheet.log(&to_averaged, self.tiny), self.sheet.log(&to_drawn, self.tiny));
         let mut step = self.nothing()[0].clone();
         for row in 0..6 {
-            step[row] = self.sheet.products(&[(&first[row], &shares[0]), (&second[row], &shares[1])]);
+            step[row] = self.sheet.sum(&[(&first[row], &shares[0]), (&second[row], &shares[1])]);
         }
         let step = self.sheet.exp(&step, self.tiny);
         let reached = self.chain(effects.chain.joints(), &averaged.home);
@@ -652,7 +651,7 @@ impl Lowering<'_> {
         let more = sheet.minus(&unsure.of_geometry, &among_rows);
         let more = sheet.call(Function::Most, &[&more, &Value::ZERO]);
         let whole = sheet.plus(&of_geometry, &more);
-        let below = sheet.products(&[(&of_geometry, &Value::ONE), (&unsure.of_all, &number(1.0 / averaged.across))]);
+        let below = sheet.sum(&[(&of_geometry, &Value::ONE), (&unsure.of_all, &number(1.0 / averaged.across))]);
         let share = sheet.over(&of_geometry, &below);
         let share = sheet.call(Function::Choice, &[&Value::ZERO, &unsure.of_all, &share, &Value::ZERO]);
         let square = sheet.dot(apart, apart);
@@ -661,7 +660,7 @@ impl Lowering<'_> {
         let of_drawing = sheet.plus(&number(averaged.of_drawing), &unsure.of_placement);
         let ratio = sheet.over(&of_drawing, &variance);
         let ratio = sheet.times(&ratio, &number(averaged.far_more.powi(2)));
-        let below = sheet.products(&[(&ratio, &ratio), (&Value::ONE, &Value::ONE)]);
+        let below = sheet.sum(&[(&ratio, &ratio), (&Value::ONE, &Value::ONE)]);
         let drawn = sheet.over(&Value::ONE, &below);
         let mut inside = Value::ONE;
         for (index, (low, high)) in averaged.ranges.iter().enumerate() {
@@ -715,7 +714,7 @@ impl Lowering<'_> {
                     Action::Scale => scale = self.sheet.plus(&scale, &amount),
                     Action::Sight(turns, stays) => {
                         turning = self.sheet.add_scaled(&turning, &triple(turns), &amount);
-                        steady = self.sheet.products(&[(&steady, &Value::ONE), (&number(*stays), &amount)]);
+                        steady = self.sheet.sum(&[(&steady, &Value::ONE), (&number(*stays), &amount)]);
                     }
                 }
             }
@@ -801,7 +800,7 @@ impl Lowering<'_> {
             let inside = self.inside(curve);
             let outside = self.sheet.minus(&Value::ONE, &inside);
             let square = self.sheet.dot(&by, &by);
-            beyond = self.sheet.products(&[(&beyond, &Value::ONE), (&outside, &square)]);
+            beyond = self.sheet.sum(&[(&beyond, &Value::ONE), (&outside, &square)]);
         }
         let beyond = self.sheet.times(&beyond, &number(averaged.of_curves / 3.0));
         let mut columns: Vec<Triple> = order[place..].iter().map(|number| numbers[*number].clone()).collect();
@@ -848,7 +847,7 @@ struct Unsure {
 fn mixed(sheet: &mut Sheet, share: &Value, [first, second]: [&Value; 2], apart: &Value) -> Value {
     let rest = sheet.minus(&Value::ONE, share);
     let both = sheet.times(share, &rest);
-    sheet.products(&[(share, first), (&rest, second), (&both, apart)])
+    sheet.sum(&[(share, first), (&rest, second), (&both, apart)])
 }
 
 /// The step that least squares want, and how far the tip is off.

@@ -56,11 +56,6 @@ struct Turn {
 }
 
 impl Sheet {
-    /// Σ a b.
-    pub fn products(&mut self, products: &[(&Value, &Value)]) -> Value {
-        self.sum(products)
-    }
-
     pub fn times(&mut self, a: &Value, b: &Value) -> Value {
         self.sum(&[(a, b)])
     }

@@ -336,7 +336,7 @@ pub(crate) fn level(down: &Vector3<f64>) -> Pose {
 struct Levelled {
     left: f64,
     down: Vector3<f64>,
-    sensors: Vec<(usize, Rotation3<f64>)>,
+    sensors: Vec<Option<Rotation3<f64>>>,
 }
 
 /// Turns sensors of gravity, and the frames that it pulls against, as the rows have them: from gravity along each axis of the base,
@@ -359,18 +359,16 @@ fn place_levels(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
                 for (row, target, own) in &felt {
                     turns[*target] += tips[*row].rotation.inverse() * down * own.transpose();
                 }
-                let seen = turns.iter().enumerate().filter(|(_, turn)| **turn != Matrix3::zeros());
-                sensors = seen.map(|(target, turn)| (target, nearest_rotation(turn))).collect::<Vec<_>>();
-                let turned = |target: usize| sensors.iter().find(|(own, _)| *own == target).map(|(_, turn)| *turn);
+                let seen = |turn: &Matrix3<f64>| (*turn != Matrix3::zeros()).then(|| nearest_rotation(turn));
+                sensors = turns.iter().map(seen).collect::<Vec<_>>();
                 let of = |(row, target, own): &(usize, usize, Vector3<f64>)| {
-                    Some(tips[*row].rotation * turned(*target)? * own)
+                    Some(tips[*row].rotation * sensors[*target]? * own)
                 };
                 let sum: Vector3<f64> = felt.iter().filter_map(of).sum();
                 down = sum.try_normalize(0.0).unwrap_or(down);
             }
-            let turned = |target: usize| sensors.iter().find(|(own, _)| *own == target).map(|(_, turn)| *turn);
             let off = |(row, target, own): &(usize, usize, Vector3<f64>)| {
-                Some((tips[*row].rotation * turned(*target)? * own - down).norm_squared())
+                Some((tips[*row].rotation * sensors[*target]? * own - down).norm_squared())
             };
             let left: f64 = felt.iter().filter_map(off).sum();
             if best.as_ref().is_none_or(|best| left < CLEARLY_BETTER * best.left) {
@@ -379,8 +377,8 @@ fn place_levels(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
         }
         let Some(Levelled { down, sensors, .. }) = best else { continue };
         arm.instruments[setup] = level(&down);
-        for (target, rotation) in sensors {
-            arm.targets[target].rotation = rotation;
+        for (target, rotation) in arm.targets.iter_mut().zip(sensors) {
+            target.rotation = rotation.unwrap_or(target.rotation);
         }
     }
 }

@@ -62,15 +62,24 @@ impl Touches {
 
     /// The rows as a file has them, read.
     pub fn data(&self, postures: &[Vec<f64>]) -> Measurements {
-        let names: Vec<&str> = self.chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-        let mut text = format!("tip,{},contact\n", names.join(","));
-        for q in postures {
-            let cells: Vec<String> = q.iter().map(f64::to_string).collect();
-            let _ = writeln!(text, "left_hand+right_hand,{},pins", cells.join(","));
-        }
-        let options = ImportOptions { tips: Some(self.tips.clone()), ..ImportOptions::default() };
-        read_export("touches.csv", text.as_bytes(), &self.chain, Units::default(), &options).unwrap().data
+        of_both_hands((&self.chain, &self.tips), postures, ("contact", "pins"))
     }
+}
+
+/// Rows of both hands as a file has them, read; in the last column the same label in each.
+fn of_both_hands(
+    (chain, tips): (&Chain, &Arc<Tips>),
+    postures: &[Vec<f64>],
+    (column, label): (&str, &str),
+) -> Measurements {
+    let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
+    let mut text = format!("tip,{},{column}\n", names.join(","));
+    for q in postures {
+        let cells: Vec<String> = q.iter().map(f64::to_string).collect();
+        let _ = writeln!(text, "left_hand+right_hand,{},{label}", cells.join(","));
+    }
+    let options = ImportOptions { tips: Some(tips.clone()), ..ImportOptions::default() };
+    read_export("hands.csv", text.as_bytes(), chain, Units::default(), &options).unwrap().data
 }
 
 /// From the point on the right hand to that on the left one, m.
@@ -222,14 +231,7 @@ impl Grips {
 
     /// The rows as a file has them, read.
     pub fn data(&self, postures: &[Vec<f64>]) -> Measurements {
-        let names: Vec<&str> = self.chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-        let mut text = format!("tip,{},grip\n", names.join(","));
-        for q in postures {
-            let cells: Vec<String> = q.iter().map(f64::to_string).collect();
-            let _ = writeln!(text, "left_hand+right_hand,{},bar", cells.join(","));
-        }
-        let options = ImportOptions { tips: Some(self.tips.clone()), ..ImportOptions::default() };
-        read_export("grips.csv", text.as_bytes(), &self.chain, Units::default(), &options).unwrap().data
+        of_both_hands((&self.chain, &self.tips), postures, ("grip", "bar"))
     }
 }
 

@@ -43,7 +43,7 @@ fn cases(chain: &Chain, given: &[f64], pose: impl Fn(&[f64]) -> Pose) -> Vec<Cas
     postures(chain, None).into_iter().map(case).collect()
 }
 
-/// Errors of joint values that hang on the values, and on what the code is told.
+/// Errors of joint values that follow the values, and on what the code is told.
 fn of_values() -> Effects {
     let chain = examples::puma_like();
     let mut model = bare(&chain);

@@ -298,16 +298,17 @@ impl Scene {
 
     /// Whether the frame of a setup's instrument is seen at all, or that of a tool which two tips hold.
     pub fn has_instrument(&self, setup: usize) -> bool {
-        self.is_held(setup)
-            || self
-                .series
-                .iter()
-                .any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Instrument)
+        self.is_held(setup) || self.sees(setup, Frame::Instrument)
+    }
+
+    /// Whether so much of a setup's frame is seen.
+    fn sees(&self, setup: usize, frame: Frame) -> bool {
+        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == frame)
     }
 
     /// Whether a setup is a tool that two tips hold, in one row.
     pub fn is_held(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Grip)
+        self.sees(setup, Frame::Grip)
     }
 
     /// Of the tips that hold one tool the target of the first: its frame is the tool's.
@@ -322,12 +323,12 @@ impl Scene {
 
     /// Whether a setup's frame is seen by its plane z = 0 alone.
     pub fn has_plane(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Plane)
+        self.sees(setup, Frame::Plane)
     }
 
     /// Whether a setup's frame is seen by its z axis alone, which gravity pulls against.
     pub fn has_level(&self, setup: usize) -> bool {
-        self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == Frame::Level)
+        self.sees(setup, Frame::Level)
     }
 
     /// Whether where a target sits on its tip makes a difference.

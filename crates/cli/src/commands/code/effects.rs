@@ -5,7 +5,7 @@ use denavit_calibrate::effects::averaged::{Averaged, FAR_MORE};
 use denavit_calibrate::effects::carrier::Action;
 use denavit_calibrate::effects::curve::Waves;
 use denavit_calibrate::effects::driver::{
-    APPROACH, APPROACH_FROM_ROWS, BumpShape, Conditions, RUN_ORDER, Side, Statics, TWIST_TO_BEND, unit_of,
+    APPROACH, APPROACH_FROM_ROWS, BumpShape, Conditions, RUN_ORDER, Statics, TWIST_TO_BEND, unit_of,
 };
 use denavit_calibrate::effects::{Coupling, Driver, Effect, EffectModel, SavedEffects, Term, recorded};
 use denavit_calibrate::observation::arm::AxisBasis;
@@ -188,8 +188,6 @@ fn driver(statics: &Statics, driver: &Driver<Input>) -> code::Driver {
     };
     let count = statics.chain.joints().len();
     let next = |joint: usize| statics.link_end(joint, 0).map(|end| end.slot).filter(|slot| *slot < count);
-    let told = |input: &Input| *input;
-    let side = |side: &Side<Input>| (side.joint, side.column);
     match driver {
         Driver::Constant => code::Driver::Constant(vec![1.0]),
         Driver::Fixed(values) => code::Driver::Constant(values.clone()),
@@ -221,14 +219,8 @@ fn driver(statics: &Statics, driver: &Driver<Input>) -> code::Driver {
         Driver::LevelOverturning => code::Driver::Overturning(statics.level().to_vec()),
         Driver::Approach(of) => code::Driver::Told(vec![(1.0, of.column)]),
         Driver::GravitySide(joint) => code::Driver::GravitySide(*joint),
-        Driver::FrictionSide { side: of, friction } => {
-            let (joint, column) = side(of);
-            code::Driver::FrictionSide(joint, column, *friction)
-        }
-        Driver::LoadedSide(of) => {
-            let (joint, column) = side(of);
-            code::Driver::LoadedSide(joint, column)
-        }
+        Driver::FrictionSide { side, friction } => code::Driver::FrictionSide(side.joint, side.column, *friction),
+        Driver::LoadedSide(side) => code::Driver::LoadedSide(side.joint, side.column),
         Driver::Velocities(moving) => {
             let mut values = vec![(0.0, Input::Known(0.0)); count];
             for of in moving {
@@ -236,12 +228,12 @@ fn driver(statics: &Statics, driver: &Driver<Input>) -> code::Driver {
             }
             code::Driver::Told(values)
         }
-        Driver::Covariate(input) => code::Driver::Told(vec![(1.0, told(input))]),
+        Driver::Covariate(input) => code::Driver::Told(vec![(1.0, *input)]),
         Driver::Decay { covariate, from, constant } => {
-            code::Driver::Decay { of: told(covariate), from: *from, constant: *constant }
+            code::Driver::Decay { of: *covariate, from: *from, constant: *constant }
         }
-        Driver::Steps { covariate, at } => code::Driver::Steps(told(covariate), at.clone()),
-        Driver::Smooth { covariate, knots } => code::Driver::Smooth(told(covariate), knots.clone()),
+        Driver::Steps { covariate, at } => code::Driver::Steps(*covariate, at.clone()),
+        Driver::Smooth { covariate, knots } => code::Driver::Smooth(*covariate, knots.clone()),
     }
 }
 
