@@ -7,6 +7,7 @@
 //! signs, so that a 6R arm takes some 150 multiplications with its Jacobian. No loop, no heap, no branch: the code takes the
 //! same time for every posture. [`effects`] of a calibration are functions of their own. Each file holds postures, poses and Jacobians of its own, and a self-test that compares them.
 
+mod batch;
 mod correction;
 pub mod effects;
 mod evaluate;
@@ -17,4 +18,4 @@ mod render;
 mod render_effects;
 mod spread;
 
-pub use render::{CodeError, Language, Options, Precision, code, code_with_effects};
+pub use render::{CodeError, LANGUAGES, Language, Options, Precision, code, code_with_effects};

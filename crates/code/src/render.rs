@@ -1,5 +1,6 @@
 //! A program in a language.
 
+use crate::batch;
 use crate::effects::Effects;
 use crate::inverse::{Class, Inverse};
 use crate::program::{Factor, Program, Statement, Term, Value, needed};
@@ -178,7 +179,7 @@ fn code_with(table: &denavit_dh::Table, effects: Option<&Effects>, options: Opti
         return Err(CodeError::NothingMoves(table.base.clone(), table.tip.clone()));
     }
     let program = Program::of(table);
-    let writer = Writer { options, prefix: identifier(&table.name), tables: Vec::new(), numbers: 0 };
+    let writer = Writer { options, prefix: identifier(&table.name), tables: Vec::new(), numbers: 0, lanes: None };
     let effects = effects.map(|effects| Shown::of(effects, &writer)).transpose()?;
     let pose: Vec<&Value> = program.pose.iter().flatten().collect();
     let jacobian: Vec<&Value> = program.jacobian.iter().flatten().collect();
@@ -215,6 +216,16 @@ fn code_with(table: &denavit_dh::Table, effects: Option<&Effects>, options: Opti
         })
         .collect();
     let inverse = Inverse::of(&chain);
+    let compiled_language = matches!(options.language, Language::C | Language::Cpp | Language::Rust);
+    let batch = (compiled_language && options.precision == Precision::Double).then(|| {
+        let writer = Writer {
+            prefix: writer.prefix.clone(),
+            tables: Vec::new(),
+            lanes: Some(chain.coordinates().len()),
+            ..writer
+        };
+        batch::Shown::of(&for_pose, &pose, &writer, chain.size())
+    });
     let tolerance = match options.precision {
         Precision::Double => 1e-12,
         Precision::Single => 1e-4,
@@ -234,6 +245,7 @@ fn code_with(table: &denavit_dh::Table, effects: Option<&Effects>, options: Opti
                 real => writer.real(),
                 suffix => if options.precision == Precision::Single { "f" } else { "" },
                 coordinates => minijinja::Value::from(minijinja::value::Serde(coordinates)),
+                batch => minijinja::Value::from(minijinja::value::Serde(batch)),
                 for_pose => writer.lines(&for_pose),
                 for_jacobian => writer.lines(&for_jacobian),
                 pose => program.pose.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
@@ -302,6 +314,8 @@ pub struct Writer {
     /// Numbers that functions look up, and how long the rows of z are.
     pub tables: Vec<Table>,
     pub numbers: usize,
+    /// How many joint values a posture has, where the code runs over many of them.
+    pub lanes: Option<usize>,
 }
 
 impl Writer {
@@ -367,7 +381,12 @@ impl Writer {
     }
 
     fn coordinate(&self, index: usize) -> String {
-        if self.options.language == Language::Matlab { format!("q({})", index + 1) } else { format!("q[{index}]") }
+        match (self.options.language, self.lanes) {
+            (Language::Matlab, _) => format!("q({})", index + 1),
+            (Language::C, Some(values)) => format!("q[{values} * lane + {index}]"),
+            (_, Some(_)) => format!("q[lane][{index}]"),
+            (_, None) => format!("q[{index}]"),
+        }
     }
 
     pub fn value(&self, value: &Value) -> String {
@@ -390,7 +409,7 @@ impl Writer {
         }
     }
 
-    fn sum(&self, terms: &[Term]) -> String {
+    pub fn sum(&self, terms: &[Term]) -> String {
         let mut text = String::new();
         for (index, term) in terms.iter().enumerate() {
             text.push_str(match (index, term.negative) {
@@ -399,18 +418,18 @@ impl Writer {
                 (_, true) => " - ",
                 (_, false) => " + ",
             });
-            let factors: Vec<String> = term
-                .factors
-                .iter()
-                .map(|factor| match factor {
-                    Factor::Number(number) => self.number(*number),
-                    Factor::Name(name) => self.name(name),
-                    Factor::Coordinate(index) => self.coordinate(*index),
-                })
-                .collect();
-            text.push_str(&factors.join(" * "));
+            text.push_str(&self.factors(term).join(" * "));
         }
         text
+    }
+
+    fn factors(&self, term: &Term) -> Vec<String> {
+        let factor = |factor: &Factor| match factor {
+            Factor::Number(number) => self.number(*number),
+            Factor::Name(name) => self.name(name),
+            Factor::Coordinate(index) => self.coordinate(*index),
+        };
+        term.factors.iter().map(factor).collect()
     }
 
     /// Statements, one a line; of a sine and a cosine only what is read.

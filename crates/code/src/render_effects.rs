@@ -90,6 +90,7 @@ impl Shown {
             prefix: plain.prefix.clone(),
             tables: correction.tables.clone(),
             numbers: correction.numbers,
+            lanes: None,
         };
         let part = |part: &Part| {
             let statements: Vec<&Statement> = part.statements.iter().collect();

@@ -155,6 +155,148 @@ fn matlab_passes_its_test_where_octave_is() {
     }
 }
 
+/// Numbers of postures about whole blocks, values of every size, those that the sines do not take and none: the poses of a batch are
+/// those of `fk`, and nothing behind them is touched.
+const MANY_IN_C: &str = r#"
+#include <stdio.h>
+int main(void)
+{
+    static const double odd[] = { 1e5, -1e5, 1.0000001e5, -3e8, 1e300, NAN, -INFINITY, 0.0 };
+    static double q[40 * N];
+    static double poses[41 * 12];
+    unsigned long long state = 1;
+    int wrong = 0;
+    for (int n = 0; n < 40; ++n) {
+        for (int k = 0; k < n * N; ++k) {
+            state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+            const double part = (double)(state >> 11) / 4503599627370496.0 - 1.0;
+            const int kind = (int)((state >> 7) % 100);
+            q[k] = kind < 60 ? 3.2 * part : kind < 90 ? 100.0 * part : 1e5 * part;
+            if (n > 30 && kind == 99) {
+                q[k] = odd[(state >> 3) % 8];
+            }
+        }
+        poses[12 * n] = 7.0;
+        BATCH(q, n, poses);
+        wrong += poses[12 * n] == 7.0 ? 0 : 1;
+        for (int k = 0; k < n; ++k) {
+            double own[3][4];
+            double largest = 1.0;
+            FK(&q[N * k], own);
+            for (int i = 0; i < 12; ++i) {
+                largest = fmax(largest, fabs(own[i / 4][i % 4]));
+            }
+            for (int i = 0; i < 12; ++i) {
+                const double a = own[i / 4][i % 4];
+                const double b = poses[12 * k + i];
+                wrong += fabs(a - b) <= 1e-13 * largest || (a != a && b != b) || a == b ? 0 : 1;
+            }
+        }
+    }
+    printf("%d wrong\n", wrong);
+    return wrong == 0 ? 0 : 1;
+}
+"#;
+
+const MANY_IN_RUST: &str = r#"
+mod arm;
+const N: usize = arm::JOINTS;
+fn main() {
+    let odd = [1e5, -1e5, 1.0000001e5, -3e8, 1e300, f64::NAN, f64::NEG_INFINITY, 0.0];
+    let mut state = 1u64;
+    for n in 0..40 {
+        let mut value = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let part = (state >> 11) as f64 / 4503599627370496.0 - 1.0;
+            match (state >> 7) % 100 {
+                99 if n > 30 => odd[(state >> 3) as usize % 8],
+                0..60 => 3.2 * part,
+                60..90 => 100.0 * part,
+                _ => 1e5 * part,
+            }
+        };
+        let q: Vec<[f64; N]> = (0..n).map(|_| std::array::from_fn(|_| value())).collect();
+        let mut poses = vec![[[7.0; 4]; 3]; n];
+        arm::fk_batch(&q, &mut poses);
+        for (q, pose) in q.iter().zip(&poses) {
+            let own = arm::fk(q);
+            let largest = own.iter().flatten().fold(1.0, |most: f64, cell| most.max(cell.abs()));
+            for (a, b) in own.iter().flatten().zip(pose.iter().flatten()) {
+                assert!((a - b).abs() <= 1e-13 * largest || (a.is_nan() && b.is_nan()) || a == b, "{n}: {q:?}: {a} {b}");
+            }
+        }
+    }
+}
+"#;
+
+#[test]
+fn the_poses_of_a_batch_are_those_of_each_posture() {
+    let arms = [examples::scara_helical(), examples::planar_arm(), examples::rail_arm()];
+    let mut tables = vec![of(&examples::puma_like(), NearParallel::HayatiBelow(0.1))];
+    tables.extend(arms.iter().map(|chain| of(chain, NearParallel::Dh)));
+    for (language, program, flags) in [
+        (Language::C, "gcc", &["-O3", "-std=c99", "-x", "c"][..]),
+        (Language::Cpp, "g++", &["-O2", "-std=c++17", "-x", "c++"]),
+        (Language::Rust, "rustc", &["-O", "--edition", "2021"]),
+    ] {
+        if !is_installed(program) {
+            continue;
+        }
+        // What differs from arm to arm is the same in every language.
+        for table in &tables[..if language == Language::C { tables.len() } else { 2 }] {
+            let folder = tempfile::tempdir().unwrap();
+            let text = code(table, Options { language, precision: Precision::Double }).unwrap();
+            let name = text.lines().find_map(|line| line.strip_prefix("static inline void ")?.split_once("_fk("));
+            let main = match (language, name) {
+                (Language::Rust, _) => MANY_IN_RUST.to_owned(),
+                (_, Some((name, _))) => {
+                    let n = table.coordinates.len();
+                    format!(
+                        "#include \"arm.h\"\n#define N {n}\n#define BATCH {name}_fk_batch\n#define FK {name}_fk\n{MANY_IN_C}"
+                    )
+                }
+                _ => {
+                    let name =
+                        text.lines().find_map(|line| line.strip_prefix("namespace ")?.strip_suffix(" {")).unwrap();
+                    let n = table.coordinates.len();
+                    format!(
+                        "#include \"arm.hpp\"\n#define N {n}\nusing namespace {name};
+                        static void BATCH(const double *q, int n, double *poses) {{
+                            fk_batch(reinterpret_cast<const Joints *>(q), std::size_t(n), reinterpret_cast<Pose *>(poses)); }}
+                        static void FK(const double *q, double pose[3][4]) {{
+                            const Pose own = fk(*reinterpret_cast<const Joints *>(q)); std::memcpy(pose, &own, sizeof own); }}
+                        {MANY_IN_C}"
+                    )
+                }
+            };
+            written(folder.path(), &format!("arm.{}", language.extension()), &text);
+            let file = written(folder.path(), "main.rs", &main);
+            let made = folder.path().join("many");
+            let output = Command::new(program)
+                .args(flags)
+                .arg(file)
+                .arg("-o")
+                .arg(&made)
+                .args((language != Language::Rust).then_some("-lm"))
+                .output()
+                .unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let run = Command::new(&made).output().unwrap();
+            let said = [run.stdout, run.stderr].concat();
+            assert!(run.status.success(), "{} {language:?}: {}", table.name, String::from_utf8_lossy(&said));
+        }
+    }
+}
+
+#[test]
+fn four_byte_numbers_have_no_batch() {
+    for language in [Language::C, Language::Cpp, Language::Rust] {
+        let text =
+            |precision| code(&of(&examples::puma_like(), NearParallel::Dh), Options { language, precision }).unwrap();
+        assert!(text(Precision::Double).contains("fk_batch") && !text(Precision::Single).contains("fk_batch"));
+    }
+}
+
 #[test]
 fn a_self_test_can_fail() {
     let folder = tempfile::tempdir().unwrap();
