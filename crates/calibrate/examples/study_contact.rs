@@ -9,8 +9,6 @@ mod webcam;
 
 #[path = "../tests/hands/mod.rs"]
 mod hands;
-#[path = "../tests/postures/mod.rs"]
-mod postures;
 
 use denavit_calibrate::apply::simulate::SimulationOptions;
 use denavit_calibrate::observation::kinds::{DIAL, GRAVITY, INCLINATION, PLANE};

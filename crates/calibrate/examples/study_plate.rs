@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table.
 
-#[path = "../tests/postures/mod.rs"]
-mod postures;
 #[path = "../tests/touched/mod.rs"]
 mod touched;
 

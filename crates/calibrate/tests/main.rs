@@ -34,7 +34,6 @@ mod pairs;
 mod placing;
 mod plan_and_compensate;
 mod plate;
-mod postures;
 mod prior;
 mod prior_effects;
 mod real;

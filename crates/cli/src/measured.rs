@@ -12,7 +12,9 @@ use denavit_calibrate::effects::SavedEffects;
 use denavit_calibrate::effects::driver::Statics;
 use denavit_calibrate::identify::posterior::Earlier;
 use denavit_calibrate::observation::board::Sight;
-use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, GRAVITY, INCLINATION, PLANE, POSE, POSITION};
+use denavit_calibrate::observation::kinds::{
+    DIAL, DISTANCE, GRAVITY, GRIP, INCLINATION, PLANE, POSE, POSITION, SOCKET,
+};
 use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
 use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
 use denavit_load::measured::{self as load, Content, DataFile, HashedFile, moving};
@@ -227,5 +229,7 @@ pub fn kind(measure: MeasureName) -> ObservationKind {
         MeasureName::Dial => DIAL,
         MeasureName::Gravity => GRAVITY,
         MeasureName::Inclination => INCLINATION,
+        MeasureName::Contacts => SOCKET,
+        MeasureName::Grips => GRIP,
     }
 }

@@ -4,8 +4,10 @@ pub mod columns;
 mod contact;
 pub mod effect_specification;
 pub mod files;
+pub mod postures;
 mod sight;
 pub mod truth;
+pub mod two_tips;
 
 use crate::effects::survey::{with_run_order, with_run_order_after};
 use crate::observation::arm::{Arm, AxisBasis, Perturbation, Row, RowState};
@@ -95,6 +97,7 @@ impl SimulationOptions {
     pub fn tries(&self) -> usize {
         match self.kind {
             kind if kind.of_a_board() => sight::TRIES,
+            _ if two_tips::is_of(self) => two_tips::TRIES,
             kind if kind.holds_the_target() => contact::TRIES,
             _ => 1,
         }
@@ -229,7 +232,7 @@ fn draw_arm(chain: &Chain, options: &SimulationOptions, random: &mut ChaCha8Rng)
             target.rotation = Rotation3::from_scaled_axis(normal_vector(random, 0.5));
         }
     }
-    if options.kind.holds_the_target() {
+    if options.kind.holds_the_target() && !two_tips::is_of(options) {
         contact::within_reach(&mut arm, random);
     }
     if let Some(sight) = options.sight.as_ref().filter(|_| options.kind.of_a_board()) {

@@ -21,6 +21,7 @@ mod write;
 
 pub use columns::ColumnUse;
 pub use covariates::{Column, Covariate, Covariates, MissingColumn, RecordedRow};
+pub use header::word_of_two_tips;
 pub use join::read_socket;
 pub use measurement_error::{DataError, DataProblem, MeasurementError};
 pub use observations::Observations;

@@ -1,18 +1,14 @@
 //! Two hands of one robot that touch each other or hold a tool: rows as a user would write them, and how near a fit of them comes to the bound.
 
-use crate::postures::brought_to;
 use crate::webcam::derivatives;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
-use denavit_calibrate::observation::kinds::{POSE, POSITION};
+use denavit_calibrate::apply::simulate::two_tips::{TwoTips, apart, simulate, touch, write};
+use denavit_calibrate::apply::simulate::{SimulationOptions, true_target};
+use denavit_calibrate::observation::kinds::{GRIP, SOCKET};
 use denavit_calibrate::observation::measurements::import::ImportOptions;
 use denavit_calibrate::observation::measurements::{Units, read_export};
-use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, identify};
-use denavit_model::nalgebra::{DMatrix, DVector, SVector, Vector3};
-use denavit_model::{Chain, Pose, Reading, Tips, se3, urdf};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
-use std::fmt::Write as _;
+use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, identify};
+use denavit_model::nalgebra::{DMatrix, DVector, Vector3};
+use denavit_model::{Chain, Reading, Tips, urdf};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -42,49 +38,35 @@ pub struct Touches {
 impl Touches {
     pub fn drawn(rows: usize, seed: u64) -> Self {
         let (chain, tips, _) = both(TWO_ARMS);
-        let options =
-            SimulationOptions { kind: POSITION, rows: 1, seed, tips: Some(tips.clone()), ..Default::default() };
-        let truth = simulate(&chain, &options, &NoEffects).arm;
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x0070_75c4);
-        let mut postures = Vec::new();
-        for round in 0..40 {
-            for start in readings(&chain, 2 * rows, seed + 1000 * round) {
-                let mut error = || SCATTER * random.sample::<f64, _>(StandardNormal);
-                let apart = Vector3::new(error(), error(), error());
-                if postures.len() < rows {
-                    postures.extend(brought_to(&chain, |q| apart - between(&truth, q), start));
-                }
-            }
-        }
+        let options = SimulationOptions {
+            kind: SOCKET,
+            rows,
+            seed,
+            noise_position: SCATTER,
+            tips: Some(tips.clone()),
+            ..Default::default()
+        };
+        let TwoTips { arm: truth, readings: postures, .. } = simulate(&chain, &options);
         assert_eq!(postures.len(), rows, "the hands do not reach each other");
         Self { chain, tips, truth, postures }
     }
 
     /// The rows as a file has them, read.
     pub fn data(&self, postures: &[Vec<f64>]) -> Measurements {
-        of_both_hands((&self.chain, &self.tips), postures, ("contact", "pins"))
+        of_both_hands((&self.chain, &self.tips), (&self.truth, postures), ["contact", "pins"])
     }
 }
 
 /// Rows of both hands as a file has them, read; in the last column the same label in each.
 fn of_both_hands(
     (chain, tips): (&Chain, &Arc<Tips>),
-    postures: &[Vec<f64>],
-    (column, label): (&str, &str),
+    (truth, postures): (&Arm, &[Vec<f64>]),
+    [column, label]: [&str; 2],
 ) -> Measurements {
-    let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
-    let mut text = format!("tip,{},{column}\n", names.join(","));
-    for q in postures {
-        let cells: Vec<String> = q.iter().map(f64::to_string).collect();
-        let _ = writeln!(text, "left_hand+right_hand,{},{label}", cells.join(","));
-    }
+    let run = TwoTips { arm: truth.clone(), readings: postures.to_vec(), outliers: Vec::new(), holding: None };
+    let text = write(&run, column, label, &[]);
     let options = ImportOptions { tips: Some(tips.clone()), ..ImportOptions::default() };
     read_export("hands.csv", text.as_bytes(), chain, Units::default(), &options).unwrap().data
-}
-
-/// From the point on the right hand to that on the left one, m.
-pub fn between(arm: &Arm, q: &[f64]) -> Vector3<f64> {
-    true_target(arm, q, 0).translation.vector - true_target(arm, q, 1).translation.vector
 }
 
 /// How the way between the points follows axes and points at each posture, three rows for each: where they touch is left out.
@@ -103,7 +85,7 @@ fn followed(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
 fn by_least_squares(from: &Arm, postures: &[Vec<f64>], data: &Measurements, layout: &Layout) -> Arm {
     let mut arm = from.clone();
     for _ in 0..8 {
-        let left = postures.iter().flat_map(|q| between(&arm, q).iter().copied().collect::<Vec<f64>>());
+        let left = postures.iter().flat_map(|q| touch(&arm, q).iter().copied().collect::<Vec<f64>>());
         let left = DVector::from_iterator(3 * postures.len(), left);
         let columns = followed(data, layout, &arm);
         let step = columns.svd(true, true).solve(&-left, 1e-9).unwrap();
@@ -129,7 +111,7 @@ pub fn errors(rows: usize, seeds: Range<u64>) -> [f64; 4] {
         let layout = &found.geometric.layout;
         let plain = by_least_squares(&found.nominal.arm, fitted, &data, layout);
         for (sum, arm) in sums.iter_mut().zip([&found.nominal.arm, &found.geometric.arm, &plain]) {
-            let off = later.iter().map(|q| between(arm, q) - between(&run.truth, q));
+            let off = later.iter().map(|q| touch(arm, q) - touch(&run.truth, q));
             *sum += off.map(|way| way.norm_squared()).sum::<f64>();
         }
         // The bound at the true robot. Parameters in units of a thousandth, for the numbers' sake.
@@ -168,7 +150,7 @@ pub fn covered(rows: usize, seeds: Range<u64>) -> f64 {
             own.joints.clone().chain(own.places[0].unwrap()..own.places[1].unwrap() + 3).collect();
         let covariance = fit.covariance.select_columns(&columns).select_rows(&columns);
         let variance = (&ahead * covariance).component_mul(&ahead).column_sum();
-        let off = later.iter().flat_map(|q| <[f64; 3]>::from(between(&fit.arm, q) - between(&run.truth, q)));
+        let off = later.iter().flat_map(|q| <[f64; 3]>::from(touch(&fit.arm, q) - touch(&run.truth, q)));
         for (off, variance) in off.zip(variance.iter()) {
             inside += f64::from(u8::from(off.abs() < 1.96 * variance.sqrt()));
             all += 1.0;
@@ -179,9 +161,6 @@ pub fn covered(rows: usize, seeds: Range<u64>) -> f64 {
 
 /// Scatter of a grip: each axis of place, m, and of turn, rad.
 const SLACK: [f64; 2] = [1e-4, 2e-4];
-
-/// Postures are looked for within this share of the ranges around one.
-const NEAR: f64 = 0.4;
 
 /// A robot drawn within the tolerances, and postures in which its hands hold one tool.
 pub struct Grips {
@@ -195,52 +174,34 @@ impl Grips {
     /// The last [`LATER`] of the postures hold it without scatter.
     pub fn drawn(rows: usize, seed: u64) -> Self {
         let (chain, tips, _) = both(TWO_ARMS);
-        let options = SimulationOptions { kind: POSE, rows: 1, seed, tips: Some(tips.clone()), ..Default::default() };
-        let mut truth = simulate(&chain, &options, &NoEffects).arm;
-        truth.targets = vec![Pose::identity(); 2];
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x0067_7269);
-        let between = |truth: &Arm, q: &[f64]| true_target(truth, q, 0).inverse() * true_target(truth, q, 1);
-        // As the hands are turned to each other half way, nearer together.
-        let middle: Vec<f64> = readings(&chain, 200, seed)
-            .into_iter()
-            .min_by(|a, b| {
-                let apart = |q: &[f64]| between(&truth, q).translation.vector.norm();
-                apart(a).total_cmp(&apart(b))
-            })
-            .unwrap();
-        truth.targets[1] = between(&truth, &middle).inverse();
-        let mut postures = Vec::new();
-        for round in 0..60 {
-            for start in readings(&chain, rows, seed + 1000 * round) {
-                if postures.len() == rows {
-                    break;
-                }
-                let exact = postures.len() >= rows - LATER;
-                let scatter = SVector::<f64, 6>::from_fn(|k, _| {
-                    if exact { 0.0 } else { SLACK[k / 3] * random.sample::<f64, _>(StandardNormal) }
-                });
-                // From near the first one: from anywhere few come to hold it.
-                let start = start.iter().zip(&middle).map(|(q, middle)| middle + NEAR * (q - middle)).collect();
-                let off = |q: &[f64]| scatter - apart(&truth, q);
-                postures.extend(brought_to(&chain, off, start));
-            }
-        }
+        let options = SimulationOptions {
+            kind: GRIP,
+            rows: rows - LATER,
+            seed,
+            noise_position: SLACK[0],
+            noise_orientation: SLACK[1],
+            tips: Some(tips.clone()),
+            ..Default::default()
+        };
+        let run = simulate(&chain, &options);
+        let exact = SimulationOptions {
+            rows: LATER,
+            seed: seed + 1000,
+            noise_position: 0.0,
+            noise_orientation: 0.0,
+            ..options
+        };
+        let later = run.again(&exact).readings;
+        let TwoTips { arm: truth, readings: mut postures, .. } = run;
+        postures.extend(later);
         assert_eq!(postures.len(), rows, "the hands do not hold the tool");
         Self { chain, tips, truth, postures }
     }
 
     /// The rows as a file has them, read.
     pub fn data(&self, postures: &[Vec<f64>]) -> Measurements {
-        of_both_hands((&self.chain, &self.tips), postures, ("grip", "bar"))
+        of_both_hands((&self.chain, &self.tips), (&self.truth, postures), ["grip", "bar"])
     }
-}
-
-/// How far apart the two hands have the tool: place (m) and turn (rad), in the tool's frame as the left hand has it.
-fn apart(arm: &Arm, q: &[f64]) -> SVector<f64, 6> {
-    let [left, right] = [0, 1].map(|target| true_target(arm, q, target));
-    let off = left.inverse() * right;
-    let (place, turn) = (off.translation.vector, se3::rotation_vector(&off.rotation));
-    SVector::from_column_slice(&[place.x, place.y, place.z, turn.x, turn.y, turn.z])
 }
 
 /// How what is [`apart`] follows axes and grips at each posture, six rows for each; and these columns.

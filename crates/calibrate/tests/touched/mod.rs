@@ -1,6 +1,6 @@
 //! A simulated arm that touches the holes of a plate, as the rows that a user would write.
 
-use crate::postures::brought_to;
+use denavit_calibrate::apply::simulate::postures::brought_to;
 use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
 use denavit_calibrate::identify::initial_guess::rigid_fit;
 use denavit_calibrate::observation::measurements::import::ImportOptions;

@@ -21,6 +21,10 @@ pub enum MeasureName {
     Gravity,
     /// Angles of an inclinometer's two axes above the horizontal: inclination_x,inclination_y
     Inclination,
+    /// Readings in which two tips touch each other with their pins: contact
+    Contacts,
+    /// Readings in which two tips hold one tool: grip
+    Grips,
 }
 
 /// What effects follow, where no file says it.

@@ -34,8 +34,10 @@ pub fn run(arguments: &SimulateArguments) -> Result<Status, Failure> {
         Failure::Argument(match error {
             FilesError::Effect(error) => format!("--effect {error}"),
             FilesError::Column(error) => format!("--columns: {error}"),
-            FilesError::EffectsInContact => format!("--effect: {error}"),
-            FilesError::OutOfReach { .. } => format!("--rows: {error}"),
+            FilesError::EffectsInContact(_) => format!("--effect: {error}"),
+            FilesError::NotTwoTips(_) => format!("--measure: {error}"),
+            FilesError::ColumnsOfTwoTips(_) => format!("--columns: {error}"),
+            FilesError::OutOfReach { .. } | FilesError::TipsOutOfReach { .. } => format!("--rows: {error}"),
             FilesError::OutOfSight { .. } => format!("--camera: {error}"),
             FilesError::KindOfSeveralTips(_) => format!("--tip: {error}"),
             FilesError::Targets(count) => format!("--targets {count}: {error}"),

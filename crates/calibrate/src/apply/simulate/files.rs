@@ -2,12 +2,16 @@
 
 use super::columns::{NoColumn, columns};
 use super::effect_specification::{EffectSpecification, EffectSpecificationError, specified_effects};
-use super::{SimulationOptions, as_displayed, commanded_readings, simulate, simulate_arm, truth};
+use super::two_tips::TwoTips;
+use super::{
+    Simulation, SimulationOptions, as_displayed, commanded_readings, scene, simulate, simulate_arm, truth, two_tips,
+};
+use crate::effects::EffectModel;
 use crate::effects::driver::Statics;
 use crate::effects::survey::with_run_order;
 use crate::effects::{SavedEffects, recorded};
-use crate::observation::kinds::ObservationKind;
-use crate::observation::measurements::{MissingColumn, write};
+use crate::observation::kinds::{GRIP, ObservationKind};
+use crate::observation::measurements::{Measurements, MissingColumn, word_of_two_tips, write};
 use crate::observation::parameters::NoEffects;
 use denavit_model::Chain;
 use thiserror::Error;
@@ -65,8 +69,22 @@ pub enum FilesError {
         wanted: usize,
     },
     /// Effects where nothing is read.
-    #[error("effects are not simulated with readings on planes; take a dial gauge, whose readings show them")]
-    EffectsInContact,
+    #[error("effects are not simulated with {0}; take a dial gauge, whose readings show them")]
+    EffectsInContact(&'static str),
+    /// What two tips do, of a robot with another number of tips.
+    #[error("{0} are of two tips of one robot; name both (‹tip› LINK ‹tip› LINK)")]
+    NotTwoTips(&'static str),
+    /// Columns that no simulated row of two tips has.
+    #[error("no other columns are simulated with {0}")]
+    ColumnsOfTwoTips(&'static str),
+    /// Tips that do not reach each other.
+    #[error("the tips come together in {found} of {wanted} rows only; ask for fewer, or try another seed")]
+    TipsOutOfReach {
+        /// Rows in which they do.
+        found: usize,
+        /// Rows asked for.
+        wanted: usize,
+    },
     /// What is measured with one tip alone.
     #[error("{0} are simulated at one tip; simulate one tip at a time, or measure poses, positions or distances")]
     KindOfSeveralTips(&'static str),
@@ -100,10 +118,16 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     if options.targets > 1 && !options.kind.of_several() {
         return Err(FilesError::Targets(options.targets));
     }
+    if let Some(word) = word_of_two_tips(options.kind) {
+        let none = EffectModel::new(statics.clone(), Vec::new());
+        if any_effect(asked, &effects) {
+            return Err(FilesError::EffectsInContact(options.kind.plural()));
+        }
+        return of_two_tips(chain, asked, word, &none);
+    }
     let contact = options.kind.holds_the_target();
-    let any_effect = !asked.specifications.is_empty() || !effects.effects.is_empty();
-    if contact && options.kind.numbers() == 0 && any_effect {
-        return Err(FilesError::EffectsInContact);
+    if contact && options.kind.numbers() == 0 && any_effect(asked, &effects) {
+        return Err(FilesError::EffectsInContact(options.kind.plural()));
     }
     if options.tips.is_some() && (contact || options.kind.of_a_board()) {
         return Err(FilesError::KindOfSeveralTips(options.kind.plural()));
@@ -148,4 +172,47 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     };
     let test = asked.test_rows.map(later).transpose()?;
     Ok(Files { data, test, truth: asked.truth.then(|| truth::to_json(&run, &options, &model)) })
+}
+
+fn any_effect(asked: &FilesAsked, effects: &SavedEffects) -> bool {
+    !asked.specifications.is_empty() || !effects.effects.is_empty()
+}
+
+/// Files of a run in which two tips touch each other or hold a tool; `word` names their column.
+fn of_two_tips(
+    chain: &Chain,
+    asked: &FilesAsked,
+    word: &'static str,
+    effects: &EffectModel,
+) -> Result<Files, FilesError> {
+    let options = &asked.options;
+    let (words, label) = if options.kind == GRIP { ("grips", "tool") } else { ("contacts", "pins") };
+    if options.tips.as_ref().is_none_or(|tips| tips.all().len() != 2) {
+        return Err(FilesError::NotTwoTips(words));
+    }
+    if !asked.columns.is_empty() {
+        return Err(FilesError::ColumnsOfTwoTips(words));
+    }
+    let file = |run: &TwoTips, wanted: usize| {
+        let found = run.readings.len();
+        if found < wanted {
+            return Err(FilesError::TipsOutOfReach { found, wanted });
+        }
+        let comment = format!("{}: {wanted} simulated {words}, m and rad; made by denavit simulate", chain.name());
+        Ok(two_tips::write(run, word, label, &[comment]))
+    };
+    let run = two_tips::simulate(chain, options);
+    let data = file(&run, options.rows)?;
+    let later = |rows: usize| {
+        let seed = options.seed ^ TEST_SEED;
+        file(&run.again(&SimulationOptions { rows, seed, readings: None, ..options.clone() }), rows)
+    };
+    let test = asked.test_rows.map(later).transpose()?;
+    let truth = asked.truth.then(|| {
+        let joints = chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
+        let data = Measurements::empty("simulation", joints, scene(options, 1));
+        let run = Simulation { arm: run.arm.clone(), data, outliers: run.outliers.clone() };
+        truth::to_json(&run, options, effects)
+    });
+    Ok(Files { data, test, truth })
 }

@@ -2,6 +2,7 @@
 
 use crate::apply::simulate::{Simulation, SimulationOptions};
 use crate::effects::model::EffectModel;
+use crate::observation::measurements::word_of_two_tips;
 use crate::observation::parameters::{Freedom, Layout, Tolerances};
 use denavit_model::Pose;
 use denavit_model::nalgebra::UnitQuaternion;
@@ -54,7 +55,9 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
     if options.kind.of_a_board() {
         truth["noise"] = json!({"pixel_px": options.noise_pixel});
     }
-    for (point, name) in arm.points.iter().zip(&run.data.scene.points) {
+    // Where two tips touch each other is another place in each row.
+    let points = if word_of_two_tips(options.kind).is_some() { &[] } else { &arm.points[..] };
+    for (point, name) in points.iter().zip(&run.data.scene.points) {
         let place: [f64; 3] = (*point).into();
         truth[name] = json!(place);
     }

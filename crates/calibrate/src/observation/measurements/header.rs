@@ -68,6 +68,11 @@ pub(super) enum CornerOf {
 /// The columns that say which points of two tips touch each other, and which tool two tips hold.
 pub(super) const OF_TWO_TIPS: [(&str, ObservationKind); 2] = [("contact", SOCKET), ("grip", GRIP)];
 
+/// The column that names what two tips hold or touch each other with, for kinds that are of two tips.
+pub fn word_of_two_tips(kind: ObservationKind) -> Option<&'static str> {
+    OF_TWO_TIPS.iter().find(|(_, of)| *of == kind).map(|(word, _)| *word)
+}
+
 /// The columns that say where on a board a corner is.
 const ON_BOARD: [&str; 2] = ["board_x", "board_y"];
 

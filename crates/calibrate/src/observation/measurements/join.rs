@@ -91,7 +91,7 @@ impl Measurements {
         (part, observations)
     }
 
-    /// The same, every socket a place that no fit has seen: the tool may have been moved since.
+    /// The same, every socket and every tool in two tips at a place that no fit has seen: it may have been moved since.
     #[must_use]
     pub fn placed_anew(mut self) -> Self {
         let anew: Vec<usize> = self
@@ -101,8 +101,14 @@ impl Measurements {
             .filter(|series| series.kind.own_target().is_some())
             .filter_map(|series| series.point)
             .collect();
+        let held = (0..self.scene.setups.len()).filter(|&setup| self.scene.is_held(setup));
+        let anew_setups: Vec<(usize, String)> =
+            held.map(|setup| (setup, format!("test/{}", self.scene.setups[setup]))).collect();
         for (_, name) in self.scene.points.iter_mut().enumerate().filter(|(index, _)| anew.contains(index)) {
             *name = name.replacen(' ', " test/", 1);
+        }
+        for (setup, name) in anew_setups {
+            self.scene.setups[setup] = name;
         }
         self
     }

@@ -3,30 +3,38 @@
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, SVector};
 
-/// The posture near `q`, within the limits, in which what is `off` (m, rad) is nothing.
+/// Newton's steps.
+const STEPS: usize = 60;
+/// Step of the derivatives, rad or m.
+const DIFFERENCE: f64 = 1e-6;
+/// No step moves a joint by more, rad or m.
+const MOST: f64 = 0.3;
+/// What is nearer than this is there, m and rad.
+const THERE: f64 = 1e-12;
+
+/// The posture near `q`, within the limits, in which what is `off` (m, rad) is nothing; `None` where there is none.
 pub fn brought_to<const N: usize>(
     chain: &Chain,
     off: impl Fn(&[f64]) -> SVector<f64, N>,
     mut q: Vec<f64>,
 ) -> Option<Vec<f64>> {
-    const STEP: f64 = 1e-6;
-    for _ in 0..60 {
+    for _ in 0..STEPS {
         let left = off(&q);
-        if left.norm() < 1e-12 {
+        if left.norm() < THERE {
             break;
         }
         let jacobian = DMatrix::from_fn(N, q.len(), |row, k| {
             let mut moved = q.clone();
-            moved[k] += STEP;
-            (left - off(&moved))[row] / STEP
+            moved[k] += DIFFERENCE;
+            (left - off(&moved))[row] / DIFFERENCE
         });
-        let step = jacobian.svd(true, true).solve(&left, 1e-6).ok()?;
-        let most = step.amax().max(0.3) / 0.3;
+        let step = jacobian.svd(true, true).solve(&left, 1e-6).expect("both factors are asked for");
+        let most = step.amax().max(MOST) / MOST;
         q.iter_mut().zip(step.iter()).for_each(|(value, by)| *value += by / most);
     }
     let within = chain.coordinates().iter().zip(&q).all(|(coordinate, value)| {
         let (lower, upper) = coordinate.range();
         (lower..=upper).contains(value)
     });
-    (within && off(&q).norm() < 1e-9).then_some(q)
+    (within && off(&q).norm() < 1e3 * THERE).then_some(q)
 }
