@@ -1,6 +1,6 @@
 //! `denavit doc`: a page for each robot, and an index of several.
 
-use crate::args::{DocArguments, OneTip, RobotArguments, SourceArguments};
+use crate::args::{DocArguments, OneTip, RobotArguments, SourceArguments, UnitsArguments};
 use crate::failure::Failure;
 use crate::output::{self, OutputFolder, Status};
 use crate::source::{self, Loaded};
@@ -90,6 +90,23 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
         return Ok(Status::Error);
     }
     Ok(Status::Same)
+}
+
+/// The page of one robot: its whole chain, in metres and degrees.
+pub fn page_of(name: &str, source: &SourceArguments) -> Result<String, Failure> {
+    let arguments = DocArguments {
+        robots: vec![name.to_owned()],
+        output: "-".into(),
+        markdown: false,
+        base: None,
+        tip: None,
+        exact: false,
+        package_path: source.package_path.clone(),
+        allow_any_file: source.allow_any_file,
+        units: UnitsArguments { units: "m,deg".into() },
+    };
+    let loaded = source::load(name, source)?;
+    Ok(page::html(&document(&arguments, source, name, loaded, super::units(&arguments.units)?)?))
 }
 
 /// The explorer's 3-D view as web/build makes it, for pages.

@@ -50,9 +50,10 @@ pub fn run(arguments: &ExploreArguments) -> Result<Status, Failure> {
     let inputs = names.iter().map(String::as_str).chain(source.files());
     let mut outputs = Outputs::beside(inputs);
     let slot = outputs.add_if("--output", arguments.output.as_deref())?;
-    let mut left = MOST_MESH_BYTES;
-    let robots = names.iter().map(|name| embedded(name, &source, &mut left)).collect::<Result<Vec<_>, Failure>>()?;
-    let page = filled(&page, &robots);
+    let page = match page {
+        Some(page) => with_robots(&page, &names, &source)?,
+        None => plain(&names, &source)?,
+    };
     match slot {
         Some(slot) => outputs.write(&[(slot, page)])?,
         None => server::serve(&page, arguments.port, !arguments.no_browser)?,
@@ -68,24 +69,41 @@ fn places(program: &Path) -> Vec<PathBuf> {
     beside.into_iter().chain(installed).chain([PathBuf::from(BUILT)]).collect()
 }
 
-/// The page without robots.
-fn page() -> Result<Cow<'static, str>, Failure> {
+/// How to get the page of `web/`.
+const NOT_INSTALLED: &str = "the explorer is not installed; run web/build in a clone of denavit, then copy \
+                             web/dist/explorer.html beside this program";
+
+/// The page without robots, if it is installed.
+fn page() -> Result<Option<Cow<'static, str>>, Failure> {
     if let Some(page) = INSIDE {
-        return Ok(page.into());
+        return Ok(Some(page.into()));
     }
     let program = std::env::current_exe().unwrap_or_default();
     let found = places(&program).into_iter().find(|path| path.is_file());
-    let Some(path) = found else {
-        let message = "the explorer's page is not installed; run web/build in a clone of denavit, then copy web/dist/explorer.html \
-                       beside this program";
-        return Err(Failure::Argument(message.into()));
-    };
+    let Some(path) = found else { return Ok(None) };
     let page = std::fs::read_to_string(&path)
         .map_err(|error| Failure::Argument(format!("{}: cannot be read: {error}", path.display())))?;
     if !page.contains(ROBOTS) {
         return Err(Failure::Argument(format!("{}: this is no page of web/build; build it again", path.display())));
     }
-    Ok(page.into())
+    Ok(Some(page.into()))
+}
+
+/// The page with these robots in it.
+fn with_robots(page: &str, names: &[String], source: &SourceArguments) -> Result<String, Failure> {
+    let mut left = MOST_MESH_BYTES;
+    let robots = names.iter().map(|name| embedded(name, source, &mut left)).collect::<Result<Vec<_>, Failure>>()?;
+    Ok(filled(page, &robots))
+}
+
+/// What shows one robot where the page of `web/` is not installed: picture, table and joint values of `denavit doc`.
+fn plain(names: &[String], source: &SourceArguments) -> Result<String, Failure> {
+    let [name] = names else {
+        return Err(Failure::Argument(format!("{NOT_INSTALLED}; without it, name one robot: its page is shown")));
+    };
+    let page = super::doc::page_of(name, source)?;
+    output::mention(format!("this is the page of denavit doc: {NOT_INSTALLED}"));
+    Ok(page)
 }
 
 /// A robot as the page takes it: URDF, xacro expanded, or a table as it stands; meshes as long as bytes are left for them.
@@ -127,6 +145,17 @@ mod tests {
         let expected = ["bin/explorer.html", "share/denavit/explorer.html"].map(|path| prefix.path().join(path));
         assert_eq!(places(&program)[..2], expected);
         assert!(places(&program)[2].ends_with("web/dist/explorer.html"));
+    }
+
+    #[test]
+    fn one_robot_is_shown_without_the_page_too() {
+        let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/universal_robots/ur5e.urdf").to_owned();
+        let page = plain(std::slice::from_ref(&robot), &SourceArguments::default()).unwrap();
+        assert!(page.starts_with("<!doctype html>") && page.contains("0.425"));
+        for names in [vec![], vec![robot.clone(), robot]] {
+            let refused = plain(&names, &SourceArguments::default()).unwrap_err().to_string();
+            assert!(refused.contains("web/build") && refused.contains("name one robot"), "{refused}");
+        }
     }
 
     #[test]
