@@ -74,7 +74,7 @@ impl Shown {
                 }
                 angles.push(writer.sum(angle));
             } else {
-                lines.extend(writer.lines(&[statement]));
+                lines.extend(writer.lines(&[statement], pose));
             }
         }
         let numbers = |numbers: [f64; 6]| numbers.map(|number| writer.number(number));

@@ -246,8 +246,8 @@ fn code_with(table: &denavit_dh::Table, effects: Option<&Effects>, options: Opti
                 suffix => if options.precision == Precision::Single { "f" } else { "" },
                 coordinates => minijinja::Value::from(minijinja::value::Serde(coordinates)),
                 batch => minijinja::Value::from(minijinja::value::Serde(batch)),
-                for_pose => writer.lines(&for_pose),
-                for_jacobian => writer.lines(&for_jacobian),
+                for_pose => writer.lines(&for_pose, &pose),
+                for_jacobian => writer.lines(&for_jacobian, &jacobian),
                 pose => program.pose.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
                 jacobian => program.jacobian.iter().map(|row| row.iter().map(|v| writer.value(v)).collect::<Vec<_>>()).collect::<Vec<_>>(),
                 multiplications => multiplications(&for_pose),
@@ -432,9 +432,10 @@ impl Writer {
         term.factors.iter().map(factor).collect()
     }
 
-    /// Statements, one a line; of a sine and a cosine only what is read.
-    pub fn lines(&self, statements: &[&Statement]) -> Vec<String> {
-        let read: BTreeSet<&str> = statements.iter().flat_map(|statement| statement.reads()).collect();
+    /// Statements, one a line; of a sine and a cosine only what others or the outputs read.
+    pub fn lines(&self, statements: &[&Statement], outputs: &[&Value]) -> Vec<String> {
+        let by_others = statements.iter().flat_map(|statement| statement.reads());
+        let read: BTreeSet<&str> = by_others.chain(outputs.iter().filter_map(|value| value.name())).collect();
         let mut lines = Vec::new();
         for statement in statements {
             match statement {
@@ -442,7 +443,7 @@ impl Writer {
                 Statement::SinCos { sine, cosine, angle } => {
                     let angle = self.sum(angle);
                     for (name, function) in [(sine, "sin"), (cosine, "cos")] {
-                        if read.contains(name.as_str()) || statements.len() == 1 {
+                        if read.contains(name.as_str()) {
                             lines.push(self.assigned(name, &self.called(function, &angle)));
                         }
                     }

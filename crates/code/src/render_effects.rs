@@ -94,10 +94,11 @@ impl Shown {
         };
         let part = |part: &Part| {
             let statements: Vec<&Statement> = part.statements.iter().collect();
-            let statements = needed(&statements, &part.outputs.iter().collect::<Vec<&Value>>());
+            let values: Vec<&Value> = part.outputs.iter().collect();
+            let statements = needed(&statements, &values);
             let outputs: Vec<String> = part.outputs.iter().map(|value| writer.value(value)).collect();
             let rows = outputs.chunks(4).map(<[String]>::to_vec).collect();
-            ShownPart { lines: writer.lines(&statements), outputs, rows }
+            ShownPart { lines: writer.lines(&statements, &values), outputs, rows }
         };
         let serde = |part: Option<ShownPart>| minijinja::Value::from(minijinja::value::Serde(part));
         let numbers = |of: &[f64]| of.iter().map(|value| writer.number(*value)).collect::<Vec<_>>();

@@ -16,6 +16,20 @@ fn of(chain: &Chain, near_parallel: NearParallel) -> Table {
     table(chain, &convert::Options { near_parallel, ..convert::Options::default() }).unwrap().value
 }
 
+/// A turn and a slide along one axis: only the pose reads the turn's sine.
+fn turn_and_slide() -> Chain {
+    let joint = |name: &str, kind: &str, parent: &str, child: &str| {
+        format!(
+            r#"<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin xyz="0 0 0.2"/>
+            <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"#
+        )
+    };
+    let joints = [joint("turn", "revolute", "base", "column"), joint("slide", "prismatic", "column", "tip")].concat();
+    let links = ["base", "column", "tip"].map(|link| format!(r#"<link name="{link}"/>"#)).concat();
+    let robot = urdf::read("r.urdf", &format!(r#"<robot name="turn_and_slide">{links}{joints}</robot>"#)).unwrap();
+    robot.chain(None, None, Reading::Intended).unwrap().value
+}
+
 /// Tables of every kind of joint, with couplings, with rows of five numbers, and of the project's robots.
 fn tables() -> Vec<Table> {
     let mut tables: Vec<Table> = [examples::puma_like(), examples::scara_helical(), examples::planar_arm()]
@@ -24,6 +38,7 @@ fn tables() -> Vec<Table> {
         .collect();
     tables.push(of(&examples::puma_like(), NearParallel::HayatiBelow(0.1)));
     assert!(tables[3].convention_rows(Convention::Distal).len() > 6);
+    tables.push(of(&turn_and_slide(), NearParallel::Dh));
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots")];
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
