@@ -41,7 +41,9 @@ def main():
             print(f"| | | **{task}** |")
             for command in map("".join, commands(text, task)):
                 start = time.monotonic()
-                done = subprocess.run(command, shell=True, cwd=clone, env=environment, capture_output=True, text=True, check=False)
+                done = subprocess.run(
+                    command, shell=True, cwd=clone, env=environment, capture_output=True, text=True, check=False
+                )
                 # `check` and `diff` say with 1 that there is something to read.
                 if done.returncode not in (0, 1):
                     sys.exit(f"{command}: exit code {done.returncode}\n{done.stderr}")
