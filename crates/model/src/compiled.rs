@@ -13,6 +13,7 @@
 mod batch;
 mod blocks;
 mod frames;
+pub mod quarter_turns;
 mod sin_cos;
 mod single;
 
