@@ -267,16 +267,19 @@ fn measure<E: Effects>(arm: &Arm, options: &SimulationOptions, effects: &E, rand
         effects.perturb(Row::new(&seen, row), arm, &mut standing, &mut perturbation);
         come_back(arm, &options.repeatability, &mut perturbation, random);
         arm.state_into(data.reading(row), data.tip_of(row), Some(&perturbation), &mut state);
-        let gross = random.random::<f64>() < options.outliers;
-        let direction = normal_vector(random, 1.0).normalize();
-        let error = direction * (5e-3 + 45e-3 * random.random::<f64>());
-        let error = if gross { error } else { Vector3::zeros() };
-        if gross {
-            outliers.push(row);
-        }
+        let (gross, error) = gross_error(options, random);
+        outliers.extend(gross.then_some(row));
         observe(arm, &state, &perturbation, options, error, row, &mut data, random);
     }
     Simulation { arm: arm.clone(), data, outliers }
+}
+
+/// Whether a row has a gross error, and the error, m: 5 to 50 mm, or zero.
+fn gross_error(options: &SimulationOptions, random: &mut ChaCha8Rng) -> (bool, Vector3<f64>) {
+    let gross = random.random::<f64>() < options.outliers;
+    let direction = normal_vector(random, 1.0).normalize();
+    let error = direction * (5e-3 + 45e-3 * random.random::<f64>());
+    (gross, if gross { error } else { Vector3::zeros() })
 }
 
 /// Puts every coordinate beside its reading by as much as it does not come back to it.

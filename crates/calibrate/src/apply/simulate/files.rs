@@ -119,11 +119,10 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
         return Err(FilesError::Targets(options.targets));
     }
     if let Some(word) = word_of_two_tips(options.kind) {
-        let none = EffectModel::new(statics.clone(), Vec::new());
         if any_effect(asked, &effects) {
             return Err(FilesError::EffectsInContact(options.kind.plural()));
         }
-        return of_two_tips(chain, asked, word, &none);
+        return of_two_tips(chain, statics, asked, word);
     }
     let contact = options.kind.holds_the_target();
     if contact && options.kind.numbers() == 0 && any_effect(asked, &effects) {
@@ -179,12 +178,7 @@ fn any_effect(asked: &FilesAsked, effects: &SavedEffects) -> bool {
 }
 
 /// Files of a run in which two tips touch each other or hold a tool; `word` names their column.
-fn of_two_tips(
-    chain: &Chain,
-    asked: &FilesAsked,
-    word: &'static str,
-    effects: &EffectModel,
-) -> Result<Files, FilesError> {
+fn of_two_tips(chain: &Chain, statics: &Statics, asked: &FilesAsked, word: &'static str) -> Result<Files, FilesError> {
     let options = &asked.options;
     let (words, label) = if options.kind == GRIP { ("grips", "tool") } else { ("contacts", "pins") };
     if options.tips.as_ref().is_none_or(|tips| tips.all().len() != 2) {
@@ -212,7 +206,7 @@ fn of_two_tips(
         let joints = chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
         let data = Measurements::empty("simulation", joints, scene(options, 1));
         let run = Simulation { arm: run.arm.clone(), data, outliers: run.outliers.clone() };
-        truth::to_json(&run, options, effects)
+        truth::to_json(&run, options, &EffectModel::new(statics.clone(), Vec::new()))
     });
     Ok(Files { data, test, truth })
 }

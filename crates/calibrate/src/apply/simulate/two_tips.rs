@@ -1,13 +1,13 @@
 //! Two tips of a simulated arm that touch each other or hold one tool: the joint readings are all that is measured.
 
 use super::postures::brought_to;
-use super::{SimulationOptions, commanded_readings, draw_arm, normal, normal_vector, true_target};
+use super::{SimulationOptions, commanded_readings, draw_arm, gross_error, normal, normal_vector, true_target};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::GRIP;
 use crate::observation::measurements::word_of_two_tips;
 use denavit_model::nalgebra::{SVector, Vector3};
 use denavit_model::{Chain, Pose, se3};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 /// Postures to choose from for each that is wanted: from most the hands do not reach each other within the joint limits.
@@ -88,9 +88,7 @@ fn bring(arm: Arm, holding: Option<Vec<f64>>, options: &SimulationOptions, rando
         if readings.len() == options.rows {
             break;
         }
-        let gross = random.random::<f64>() < options.outliers;
-        let error = normal_vector(random, 1.0).normalize() * (5e-3 + 45e-3 * random.random::<f64>());
-        let error = if gross { error } else { Vector3::zeros() };
+        let (gross, error) = gross_error(options, random);
         let place = normal_vector(random, options.noise_position) + error;
         let turn = normal_vector(random, options.noise_orientation);
         let found = if let Some(near) = &holding {

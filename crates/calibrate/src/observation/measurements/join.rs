@@ -101,14 +101,12 @@ impl Measurements {
             .filter(|series| series.kind.own_target().is_some())
             .filter_map(|series| series.point)
             .collect();
-        let held = (0..self.scene.setups.len()).filter(|&setup| self.scene.is_held(setup));
-        let anew_setups: Vec<(usize, String)> =
-            held.map(|setup| (setup, format!("test/{}", self.scene.setups[setup]))).collect();
+        let held: Vec<usize> = (0..self.scene.setups.len()).filter(|&setup| self.scene.is_held(setup)).collect();
         for (_, name) in self.scene.points.iter_mut().enumerate().filter(|(index, _)| anew.contains(index)) {
             *name = name.replacen(' ', " test/", 1);
         }
-        for (setup, name) in anew_setups {
-            self.scene.setups[setup] = name;
+        for setup in held {
+            self.scene.setups[setup].insert_str(0, "test/");
         }
         self
     }
