@@ -18,9 +18,9 @@ ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("A
 
 
 def ours():
-    """The command, or None where nothing is built: DENAVIT, then the best build, then the crate's example."""
+    """The command, or None where nothing is built: DENAVIT, then the release build, then the crate's example."""
     candidates = [[os.environ["DENAVIT"], "expand"]] if "DENAVIT" in os.environ else []
-    for build in ("dist", "release", "debug"):
+    for build in ("release", "debug"):
         folder = built.target() / build
         candidates += [[str(folder / "denavit"), "expand"], [str(folder / "examples/expand")]]
     for command in candidates:
