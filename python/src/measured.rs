@@ -178,6 +178,7 @@ pub fn calibrate(
         zeros: search.zeros,
         effects: search.effects,
         max_effects: search.max_effects,
+        mass: None,
         gear_ratios: search.gear_ratios,
         prior: search.prior.map(prior_file),
         hold_out,

@@ -52,6 +52,7 @@ use crate::observation::parameters::{Freedom, NoEffects};
 use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
 use crate::trace::infer::model::Kernel;
 use crate::trace::loads::undeclared_loads;
+use crate::trace::masses::link_masses;
 use crate::trace::{Finding, Trace, TraceOptions, trace};
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
@@ -348,6 +349,13 @@ pub fn calibrate_and_tell(
         train = loads.applied(train);
         test = test.map(|test| loads.applied(test));
     }
+    let total = options.trace.as_ref().and_then(|trace| trace.total_mass);
+    let scaled = total.map(|total| statics.of_total(total));
+    let statics = scaled.as_ref().unwrap_or(statics);
+    let asks_masses = asks_loads && identification.earlier.is_none();
+    let masses = if asks_masses { link_masses(statics, &train, geometric, total.is_some()) } else { None };
+    let weighed = masses.as_ref().map(|masses| masses.applied(statics));
+    let statics = weighed.as_ref().unwrap_or(statics);
     // Geometry alone is wanted where neither effects nor curves are.
     let carried = options.trace.is_some() || options.curves.is_some();
     let carried = carried.then(|| carried::carried(&train, &identification, &options.identify)).flatten();
@@ -415,6 +423,7 @@ pub fn calibrate_and_tell(
         columns: Vec::new(),
         read_as: corrected.as_ref().map(ReadAs::of),
         undeclared_loads: loads,
+        masses,
         placed_anew: placed_anew.clone(),
         poorly_explained: of_spread.into_iter().filter(Explained::poorly).collect(),
         samples: Samples {

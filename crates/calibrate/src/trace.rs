@@ -16,6 +16,7 @@ mod findings;
 mod holdout;
 pub(crate) mod linear;
 pub mod loads;
+pub mod masses;
 mod partial_residuals;
 mod projector;
 mod refine;
@@ -56,6 +57,8 @@ pub struct TraceOptions {
     pub false_claims: f64,
     /// How error curves are sought beside them.
     pub curves: CurveOptions,
+    /// Mass of all links from the first joint on, kg, where the description has none and it is known.
+    pub total_mass: Option<f64>,
     /// What an earlier calibration knows: it acts in every row, and effects are looked for beside it.
     pub earlier: Option<Arc<EffectModel>>,
 }
@@ -70,6 +73,7 @@ impl TraceOptions {
             gear_ratios: Vec::new(),
             false_claims: 0.005,
             curves: CurveOptions::default(),
+            total_mass: None,
             earlier: None,
         }
     }

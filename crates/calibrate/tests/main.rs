@@ -23,6 +23,7 @@ mod invariances;
 mod jacobian;
 mod large_files;
 mod loads;
+mod masses;
 mod measured;
 mod mixes;
 mod monitor;

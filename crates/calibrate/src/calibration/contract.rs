@@ -18,6 +18,7 @@ use crate::observation::measurements::ColumnUse;
 use crate::observation::parameters::is_zero;
 use crate::trace::infer::lines::Line;
 use crate::trace::loads::UndeclaredLoads;
+use crate::trace::masses::LinkMasses;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -55,6 +56,10 @@ pub struct CalibrationReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub undeclared_loads: Option<UndeclaredLoads>,
+    /// Masses of links that were fitted because the description has none; left out where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
+    pub masses: Option<LinkMasses>,
     /// What was placed anew before the test rows were measured; left out where everything stands as it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(not(feature = "unstable"), doc(hidden))]

@@ -156,12 +156,12 @@ pub fn undeclared_loads(statics: &Statics, data: &Measurements, geometric: &Fit<
     Some(UndeclaredLoads { runs: (0..runs).map(run).collect(), masses_from_inertials: statics.masses.from_inertials })
 }
 
-fn of_joint(kind: Kind, joint: usize, driver: Driver) -> Term {
+pub(super) fn of_joint(kind: Kind, joint: usize, driver: Driver) -> Term {
     Term { kind, carrier: Carrier::Joint(joint), driver, coupling: Coupling::Each }
 }
 
 /// Errors of joints that follow where they stand, and play: two harmonics of each joint, and its side.
-fn smooth(survey: &Survey) -> Vec<Term> {
+pub(super) fn smooth(survey: &Survey) -> Vec<Term> {
     let waves = survey.moving().flat_map(|joint| {
         [1.0, 2.0].map(|order| of_joint(Kind::TransmissionError, joint, Driver::Harmonic { joint, order }))
     });

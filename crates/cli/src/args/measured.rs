@@ -128,6 +128,9 @@ pub struct CalibrateArguments {
     /// Number of effects at most
     #[arg(long, value_name = "N", default_value_t = 8, help_heading = FIT)]
     pub max_effects: usize,
+    /// Mass of all moving links (data sheet), for a description without masses
+    #[arg(long, value_name = "KG", help_heading = FIT)]
+    pub mass: Option<f64>,
     /// Motor turns per joint turn: NAME=RATIO
     #[arg(long, value_name = "RATIO", value_delimiter = ',', help_heading = FIT)]
     pub gear_ratio: Vec<String>,

@@ -54,6 +54,10 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
     }
     let spinner = Spinner::start("reading");
+    if arguments.mass.is_some() && robot.statics.masses.from_inertials {
+        let message = "--mass: the description has masses of its own, and they are used; leave --mass out";
+        return Err(Failure::Argument(message.into()));
+    }
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
             Progress::Geometry => "fitting the geometry",
@@ -312,6 +316,7 @@ fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> 
         zeros: arguments.zeros.clone(),
         effects: arguments.effects.clone(),
         max_effects: arguments.max_effects,
+        mass: arguments.mass,
         gear_ratios: arguments.gear_ratio.clone(),
         prior: arguments.prior.as_deref().map(measured::bare_file).transpose()?,
         hold_out: arguments.hold_out.map(|share| HoldOut { share, seed: arguments.seed }),

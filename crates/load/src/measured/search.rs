@@ -24,6 +24,8 @@ pub struct SearchAsked {
     pub effects: Vec<String>,
     /// No more effects than this.
     pub max_effects: usize,
+    /// Mass of all links from the first joint on, kg, where the description has none.
+    pub mass: Option<f64>,
     /// Motor turns per joint turn: `NAME=RATIO`.
     pub gear_ratios: Vec<String>,
     /// What an earlier calibration of this robot knows, or its siblings do.
@@ -65,11 +67,17 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         ["auto" | AVERAGED] => Some(Vec::new()),
         ref words => Some(words.iter().map(|word| kind(word)).collect::<Result<Vec<Kind>, _>>()?),
     };
+    if let Some(mass) = asked.mass.filter(|mass| !(mass.is_finite() && *mass > 0.0)) {
+        return Err(MeasuredError::Option(format!(
+            "‹mass› {mass}: give the mass of all moving links in kg, such as 28.9"
+        )));
+    }
     let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
     let trace = trace.map(|kinds| TraceOptions {
         kinds,
         max_effects: asked.max_effects,
         gear_ratios,
+        total_mass: asked.mass,
         ..TraceOptions::new(identify.clone())
     });
     let curves = (effects == ["curves"]).then(CurveOptions::default);

@@ -220,6 +220,34 @@ impl Statics {
         axes.extend(arm.axes.iter().zip(&state.before).map(|(axis, before)| axis.moved(before)));
     }
 
+    /// The same where masses stand in, in proportion so that they weigh this much together, kg.
+    #[must_use]
+    pub fn of_total(&self, total: f64) -> Self {
+        let mut scaled = self.clone();
+        let points = &mut scaled.masses.points;
+        let sum: f64 = points.iter().map(|point| point.mass).sum();
+        if !self.masses.from_inertials && sum > 0.0 {
+            points.iter_mut().for_each(|point| point.mass *= total / sum);
+        }
+        scaled
+    }
+
+    /// Loads every joint of a posture with these masses alone, in place of the links'; `payload`: with a row's payload.
+    ///
+    /// `centres`: of the masses, base frame at home, m.
+    pub(crate) fn load_with(
+        &self,
+        masses: &Masses,
+        centres: &[Point3<f64>],
+        payload: Option<&Conditions<'_>>,
+        posture: &mut Posture,
+    ) {
+        let last = |conditions: &Conditions<'_>| self.on_the_way(conditions.tip).last();
+        let payload = payload.and_then(|row| last(row).map(|joint| (joint, row.recorded.payload())));
+        let Posture { state, loads, .. } = posture;
+        masses.loads_into(centres, &self.points, &self.carriers, state, payload, loads);
+    }
+
     /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the
     /// least motion that brings the axis from where it is drawn to where it is. How the link is turned about the axis itself is as drawn.
     pub fn centres(&self, joints: &[ChainJoint]) -> Vec<Point3<f64>> {

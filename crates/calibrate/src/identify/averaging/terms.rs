@@ -129,7 +129,7 @@ impl Builder<'_> {
 }
 
 /// The largest root mean square moment of gravity about any joint's point, at postures spread over the ranges, N·m (N for a slide's force).
-fn largest_moment(statics: &Statics) -> f64 {
+pub(crate) fn largest_moment(statics: &Statics) -> f64 {
     let chain = &statics.chain;
     let mut squares = vec![0.0; chain.joints().len()];
     for posture in 0..POSTURES {

@@ -1,0 +1,92 @@
+//! Masses that a description does not have.
+
+use crate::drawn::drawn;
+use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
+use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
+use denavit_calibrate::observation::kinds::POSITION;
+use denavit_calibrate::report::text;
+use denavit_calibrate::trace::TraceOptions;
+use denavit_calibrate::trace::masses::{LinkMasses, link_masses};
+use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_model::Chain;
+
+/// Masses of the simulated arm over those of rods: heavy drives in the wrist, a light upper arm.
+const RATIOS: [f64; 6] = [1.0, 0.5, 0.5, 3.0, 4.0, 5.0];
+
+/// A UR5e without masses, and one whose masses are not those of rods, each joint as soft as those of its size.
+fn arm() -> (Chain, Statics, EffectModel) {
+    let (chain, _) = drawn("universal_robots/ur5e.urdf");
+    let rods = Statics::of_chain(&chain);
+    let mut heavy = rods.clone();
+    heavy.masses.points.iter_mut().for_each(|point| point.mass *= RATIOS[point.joint]);
+    let soft = |joint: usize, c: f64| Effect {
+        term: Term {
+            kind: Kind::JointCompliance,
+            carrier: Carrier::Joint(joint),
+            driver: Driver::Torque(joint),
+            coupling: Coupling::Each,
+        },
+        coefficients: vec![c],
+    };
+    let effects = EffectModel::new(heavy, vec![soft(1, 2e-5), soft(2, 4e-5), soft(3, 8e-5), soft(4, 1e-4)]);
+    (chain, rods, effects)
+}
+
+fn rows(chain: &Chain, effects: Option<&EffectModel>, seed: u64) -> Measurements {
+    let options = SimulationOptions { kind: POSITION, rows: 150, seed, ..SimulationOptions::default() };
+    effects
+        .map_or_else(|| simulate(chain, &options, &NoEffects).data, |effects| simulate(chain, &options, effects).data)
+}
+
+fn found(chain: &Chain, rods: &Statics, data: &Measurements) -> Option<LinkMasses> {
+    let geometric = identify(chain, data, &IdentifyOptions::axes(chain)).geometric;
+    link_masses(rods, data, &geometric, false)
+}
+
+#[test]
+fn masses_that_all_compliances_share_predict_better_than_rods() {
+    let (chain, rods, effects) = arm();
+    let total: f64 = rods.masses.points.iter().map(|point| point.mass).sum();
+    let ratio = |masses: &[f64]| (masses[3] + masses[4] + masses[5]) / (masses[1] + masses[2]);
+    let truth: Vec<f64> = effects.statics.masses.points.iter().map(|point| point.mass).collect();
+    let assumed: Vec<f64> = rods.masses.points.iter().map(|point| point.mass).collect();
+    for seed in 0..6 {
+        let found = found(&chain, &rods, &rows(&chain, Some(&effects), seed)).unwrap_or_else(|| panic!("{seed}: none"));
+        let masses: Vec<f64> = found.links.iter().map(|link| link.kg).collect();
+        println!("{seed}: {:.2} explained, {masses:.2?}; truth {truth:.2?}, rods {assumed:.2?}", found.explains);
+        assert!((found.total_kg / total - 1.0).abs() < 0.05 && !found.total_given, "{found:?}");
+        let off = |masses: &[f64]| (ratio(masses) / ratio(&truth)).ln().abs();
+        // Each joint has a compliance of its own, so that the rows tell the share of each link and little of its mass.
+        assert!(found.explains > 0.1 && off(&masses) < off(&assumed), "{masses:?}");
+    }
+}
+
+#[test]
+fn rods_stay_where_no_row_speaks_against_them() {
+    let (chain, rods, _) = arm();
+    let as_rods = EffectModel { statics: rods.clone(), ..arm().2 };
+    for seed in 0..6 {
+        assert_eq!(found(&chain, &rods, &rows(&chain, None, seed)), None, "a rigid arm, {seed}");
+        assert_eq!(found(&chain, &rods, &rows(&chain, Some(&as_rods), seed)), None, "an arm of rods, {seed}");
+    }
+}
+
+#[test]
+fn a_calibration_says_and_keeps_the_masses_that_it_used() {
+    let (chain, rods, effects) = arm();
+    let geometry = CalibrateOptions::geometry(&chain);
+    let trace = TraceOptions { total_mass: Some(20.0), ..TraceOptions::new(geometry.identify.clone()) };
+    let hold_out = Some(HoldOut { share: 0.3, seed: 1 });
+    let options = CalibrateOptions { trace: Some(trace), hold_out, ..geometry };
+    let result = calibrate(&chain, &rods, rows(&chain, Some(&effects), 1), None, &options).unwrap();
+    let masses = result.report.masses.clone().expect("masses are found");
+    assert!(masses.total_given && (masses.total_kg - 20.0).abs() < 1.0, "{masses:?}");
+    assert!(text::report(&result).contains("the description has no masses"), "{}", text::report(&result));
+    // The file of effects has them, so that `fk --effects` loads the joints as the fit did.
+    let fitted = result.effects(&rods);
+    let saved = SavedEffects::from_json("effects.json", &fitted.to_json(), &rods).unwrap();
+    assert_eq!(saved.statics.masses, fitted.statics.masses);
+    let written: Vec<f64> = saved.statics.masses.points.iter().map(|point| point.mass).collect();
+    assert_eq!(written, masses.links.iter().map(|link| link.kg).collect::<Vec<_>>());
+}
