@@ -19,7 +19,9 @@ fn arm() -> (Chain, Statics, EffectModel) {
     let (chain, _) = drawn("universal_robots/ur5e.urdf");
     let rods = Statics::of_chain(&chain);
     let mut heavy = rods.clone();
-    heavy.masses.points.iter_mut().for_each(|point| point.mass *= RATIOS[point.joint]);
+    for point in &mut heavy.masses.points {
+        point.mass *= RATIOS[point.joint];
+    }
     let soft = |joint: usize, c: f64| Effect {
         term: Term {
             kind: Kind::JointCompliance,

@@ -51,7 +51,7 @@ const VERY_STRONG: f64 = 10.0;
 const STEPS: usize = 60;
 const GAINED: f64 = 1e-3;
 /// A step that does not gain is halved this often.
-const HALVINGS: usize = 12;
+const HALVINGS: i32 = 12;
 /// Rows that are looked at, at most: some ninety numbers need no more.
 const ROWS: usize = 2000;
 
@@ -507,7 +507,7 @@ impl Products {
                 },
                 variances: state.variances,
             };
-            let shares = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings as i32));
+            let shares = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings));
             let better =
                 shares.map(moved).map(|state| (self.cost(prior, &state), state)).find(|(found, _)| *found < cost);
             let gained = better.as_ref().map_or(0.0, |(found, _)| cost - found);

@@ -227,7 +227,9 @@ impl Statics {
         let points = &mut scaled.masses.points;
         let sum: f64 = points.iter().map(|point| point.mass).sum();
         if !self.masses.from_inertials && sum > 0.0 {
-            points.iter_mut().for_each(|point| point.mass *= total / sum);
+            for point in points.iter_mut() {
+                point.mass *= total / sum;
+            }
         }
         scaled
     }
