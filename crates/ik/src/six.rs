@@ -4,7 +4,7 @@ use crate::arm::{Angle, SixR};
 use crate::branch::Branch;
 use crate::circles::{EXACT, Few, SLACK};
 use crate::class::{Class, Drawn};
-use crate::general::Elimination;
+use crate::general::{Elimination, Order};
 use crate::newton::Landed;
 use crate::solver::{REACHED, STEPS};
 use crate::{newton, parallel, wrist};
@@ -16,6 +16,8 @@ use std::f64::consts::PI;
 const AROUND: u32 = 40;
 const NEARBY: [f64; 2] = [0.12, 0.4];
 
+/// Postures that rank the orders of elimination, whose errors differ by powers of ten.
+const RANKING: u32 = 8;
 /// Postures that a sound elimination must find.
 const POSTURES: u32 = 40;
 /// Half the angle, rad, by which a posture that was found differs from the one that made the pose.
@@ -139,25 +141,45 @@ impl Six {
     }
 }
 
-/// The eliminations that together find every solution: that of the arm, or those of arms near it where its round angles make its
-/// equations dependent. Which, some postures of the arm tell.
+/// The eliminations that together find every solution: the most accurate order of the arm; or those of arms near it where round
+/// angles make the equations of every order dependent. Which, some postures of the arm tell.
 fn eliminations(arm: &SixR, size: f64) -> Vec<Elimination> {
-    let own = Elimination::of(arm, size);
-    let finds = |k: u32| {
-        let posture: [f64; 6] =
-            std::array::from_fn(|joint| PI * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0));
-        let target = arm.fk(&posture);
-        own.solve(&target, size).as_slice().iter().any(|values| {
-            let mut there = values.map(Angle::at);
-            let landed = newton::refine(arm, &target, size, &mut there, REACHED);
-            let is_there = |(angle, value): (&Angle, &f64)| (0.5 * (angle.value - value)).sin().abs() < SAME_POSTURE;
-            landed.is_some() && there.iter().zip(&posture).all(is_there)
-        })
-    };
-    if (1..=POSTURES).all(finds) {
-        return vec![own];
+    let ranked = Order::ALL.map(|order| Elimination::of(arm, size, order)).map(|elimination| {
+        let digits = |k| error(&elimination, arm, size, &posture(k)).max(f64::EPSILON).ln();
+        ((1..=RANKING).map(digits).sum::<f64>(), elimination)
+    });
+    let Some((_, best)) = ranked.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
+    if (1..=POSTURES).all(|k| finds(&best, arm, size, &posture(k))) {
+        return vec![best];
     }
-    NEAR.into_iter().enumerate().map(|(seed, angle)| Elimination::of(&arm.perturbed(angle, size, seed), size)).collect()
+    let near = |(seed, angle)| Elimination::of(&arm.perturbed(angle, size, seed), size, best.order());
+    NEAR.into_iter().enumerate().map(near).collect()
+}
+
+/// One of a sequence of postures that fills the joint range evenly, rad.
+fn posture(k: u32) -> [f64; 6] {
+    std::array::from_fn(|joint| PI * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0))
+}
+
+/// By how much two postures differ: the largest sine of half a joint's difference.
+fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (0.5 * (a - b)).sin().abs()).fold(0.0, f64::max)
+}
+
+/// The error of the candidate that is nearest to a posture, among those for its own pose.
+fn error(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -> f64 {
+    let candidates = elimination.solve(&arm.fk(posture), size);
+    candidates.as_slice().iter().map(|values| apart(values, posture)).fold(1.0, f64::min)
+}
+
+/// Whether a posture is among the solutions of its own pose.
+fn finds(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -> bool {
+    let target = arm.fk(posture);
+    elimination.solve(&target, size).as_slice().iter().any(|values| {
+        let mut there = values.map(Angle::at);
+        let landed = newton::refine(arm, &target, size, &mut there, REACHED);
+        landed.is_some() && apart(&values_of(&there), posture) < SAME_POSTURE
+    })
 }
 
 fn values_of(angles: &[Angle; 6]) -> [f64; 6] {
