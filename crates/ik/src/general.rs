@@ -16,6 +16,7 @@
 
 use crate::arm::{Axis, SixR, turn_between};
 use crate::circles::{Few, on_line, turned_dot};
+use crate::eigenvalues::eigenvalues;
 use denavit_model::nalgebra::{Complex, FullPivLU, Matrix3, SMatrix, SVector, U12, Vector3};
 use denavit_model::{Pose, se3};
 use std::f64::consts::TAU;
@@ -33,12 +34,15 @@ const TURNS: [f64; 2] = [TAU / 3.0, -TAU / 3.0];
 /// Eigenvalues lose as many digits as the quadratic part's pivots span: three of sixteen are no loss.
 const REGULAR: f64 = 1e-3;
 
+/// The same where the equations are dependent to rounding: errors grow with its square, to 1e-6 rad here.
+const INDEPENDENT: f64 = 1e-5;
+
+/// Sixteen eigenvalues, with two values of joint 2 each.
+const MOST: usize = 32;
+
 /// Largest imaginary part (of a half-angle tangent, as a share of its size) of a solution that rounding or a near
 /// singularity has made complex.
 const NEARLY_REAL: f64 = 2e-2;
-
-/// Sweeps of the QR algorithm: some two for each eigenvalue are usual.
-const MOST_SWEEPS: usize = 24 * 30;
 
 /// What does not depend on the target.
 #[derive(Debug, Clone)]
@@ -178,19 +182,15 @@ impl Elimination {
         Self { left, order, arm: scaled }
     }
 
-    /// The order in which joints are removed.
-    pub fn order(&self) -> Order {
-        self.order
-    }
-
-    /// Candidates for all real solutions, joint values in rad; `target` with lengths in units of the arm.
-    pub fn solve(&self, target: &Pose, size: f64) -> Few<[f64; 6], 32> {
+    /// Candidates for all real solutions, joint values in rad, and how many solutions there are: as many as real eigenvalues;
+    /// [`MOST`] where the equations are dependent and the eigenvalues tell nothing.
+    pub fn solve(&self, target: &Pose, size: f64) -> (Few<[f64; 6], MOST>, usize) {
         let mut found = Few::new([0.0; 6]);
         let mut moved = *target;
         moved.translation.vector /= size;
         let (axes, moved) = self.order.seen(&self.arm.axes, &(moved * self.arm.home.inverse()));
         let pencil = self.pencil(&axes, &moved);
-        let Some(eigenvalues) = pencil.eigenvalues() else { return found };
+        let Some(eigenvalues) = pencil.eigenvalues() else { return (found, MOST) };
         for eigenvalue in eigenvalues.iter() {
             let t = eigenvalue.re;
             if eigenvalue.im.abs() > NEARLY_REAL * (1.0 + t.abs()) || eigenvalue.im < 0.0 {
@@ -204,7 +204,8 @@ impl Elimination {
                 found.push(self.order.restored([v1, v2, v3, v4, v5, v6]));
             });
         }
-        found
+        let real = eigenvalues.iter().filter(|eigenvalue| eigenvalue.im == 0.0).count();
+        (found, if pencil.regular > INDEPENDENT { real } else { MOST })
     }
 
     /// With joint 3 counted from the first zero without a solution near t = ∞, or from that farthest from one.
@@ -308,10 +309,7 @@ impl Pencil {
         block.transpose_mut();
         rotation.q_tr_mul(&mut block);
         let block: SMatrix<f64, 16, 16> = block.fixed_view::<16, 16>(8, 8).into_owned();
-        if !block.iter().all(|x| x.is_finite()) {
-            return None;
-        }
-        Some(block.try_schur(f64::EPSILON, MOST_SWEEPS)?.complex_eigenvalues())
+        eigenvalues(&block)
     }
 
     /// The four null vectors at t = i.
