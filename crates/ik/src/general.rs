@@ -9,7 +9,7 @@
 //! change linearly under a rigid motion, and a turn about an axis is linear in 1, cos and sin of its angle. Both sides are then
 //! linear in the nine products of (1, cos, sin) of two angles: fourteen equations. Eight serve to remove joints 1 and 2; the
 //! other six, with the half-angle tangents of joints 4 and 5, make a 12 × 12 matrix polynomial of second degree in that of
-//! joint 3, whose real eigenvalues are the solutions.
+//! joint 3, whose real eigenvalues are the solutions. Eight of its 24 are ±i whatever the arm. Any joint may be the first ([`Order`]).
 //!
 //! # Source
 //! Raghavan, Roth 1993 (the fourteen equations); Manocha, Canny 1994 (the eigenvalue problem).
