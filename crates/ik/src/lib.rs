@@ -11,6 +11,7 @@ mod arm;
 mod branch;
 mod circles;
 mod class;
+mod eigenvalues;
 mod general;
 mod newton;
 mod parallel;

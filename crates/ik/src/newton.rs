@@ -43,6 +43,8 @@ pub(crate) struct Landed {
     pub position: f64,
     /// The axes there, in the base frame.
     pub axes: [Axis; 6],
+    /// The smallest pivot of the Jacobian of the last step, near 0 near a singularity; 1 where no step was needed.
+    pub pivot: f64,
 }
 
 /// An arm at joint values: its axes in the base frame, and base_from_tip.
@@ -63,16 +65,20 @@ fn placed(arm: &SixR, angles: &[Angle; 6]) -> ([Axis; 6], Pose) {
 
 /// Refines joint values of a six-joint arm; `None` where the error that is left is more than `close`.
 pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, angles: &mut [Angle; 6], close: f64) -> Option<Landed> {
-    let mut last = f64::INFINITY;
+    let (mut last, mut pivot) = (f64::INFINITY, 1.0);
     for _ in 0..MOST_STEPS {
         let (axes, reached) = placed(arm, angles);
         let error = error(target, &reached, size);
         let now = error.norm();
-        let landed =
-            || Landed { orientation: error.fixed_rows::<3>(0).norm(), position: error.fixed_rows::<3>(3).norm(), axes };
+        let landed = |pivot| Landed {
+            orientation: error.fixed_rows::<3>(0).norm(),
+            position: error.fixed_rows::<3>(3).norm(),
+            axes,
+            pivot,
+        };
         // Rounding alone is left, or the error no longer falls at the end.
         if now < ROUNDING || (now < close && now >= 0.5 * last) {
-            return Some(landed());
+            return Some(landed(pivot));
         }
         last = now;
         let tip = reached.translation.vector;
@@ -82,12 +88,14 @@ pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, angles: &mut [Angle; 
             jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&(axis.direction.cross(&(tip - axis.point)) / size));
         }
         let mut step = error;
-        if !jacobian.lu().solve_mut(&mut step) {
-            return (now < close).then(landed);
+        let factors = jacobian.lu();
+        if !factors.solve_mut(&mut step) {
+            return (now < close).then(|| landed(0.0));
         }
+        pivot = (0..6).map(|k| factors.lu_internal()[(k, k)].abs()).fold(f64::INFINITY, f64::min);
         let longest = step.amax();
         if !longest.is_finite() {
-            return (now < close).then(landed);
+            return (now < close).then(|| landed(pivot));
         }
         let share = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
         for (angle, step) in angles.iter_mut().zip(step.iter()) {

@@ -219,6 +219,89 @@ fn arms_without_symmetry_lose_at_most_one_branch_in_a_thousand() {
     assert!(lost * 1000 <= u64::try_from(all).unwrap(), "{lost} lost of {poses}");
 }
 
+/// FANUC's CRX-10iA/L, at its zero.
+fn crx10ial() -> Chain {
+    arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., 1., 0.], [0., 0., 0.245]),
+            ([0., -1., 0.], [0., 0., 0.955]),
+            ([-1., 0., 0.], [0., 0., 0.955]),
+            ([0., -1., 0.], [0.54, 0., 0.955]),
+            ([-1., 0., 0.], [0.54, -0.15, 0.955]),
+        ],
+        [0.7, -0.15, 0.955],
+    )
+}
+
+/// Yaskawa's HC10, at its zero.
+fn hc10() -> Chain {
+    arm(
+        &[
+            ([0., 0., 1.], [0.; 3]),
+            ([0., 1., 0.], [0., 0., 0.275]),
+            ([0., -1., 0.], [0., 0., 0.975]),
+            ([0., 0., 1.], [0., 0., 0.975]),
+            ([0., -1., 0.], [0., 0., 0.475]),
+            ([0., 0., 1.], [0., 0.162, 0.475]),
+        ],
+        [0., 0.162, 0.475],
+    )
+}
+
+/// Whether joint values are among the solutions of their own pose.
+fn is_found(chain: &Chain, q: &[f64; 6]) -> bool {
+    let solutions = Solver::new(chain).solve(&chain.fk(q), &[0.0; 6]);
+    solutions
+        .iter()
+        .any(|(joints, _)| joints.iter().zip(q).all(|(a, b)| (a - b - ((a - b) / TAU).round() * TAU).abs() < 1e-5))
+}
+
+/// Poses of 10 to 14 solutions, none of these near a singularity; the elimination of four arms near each lost them.
+#[test]
+fn postures_of_poses_with_many_solutions_are_found() {
+    let of_crx = [
+        [0.049, 2.333, -0.872, 0.617, -2.769, -0.706],
+        [1.052, 2.238, -1.041, 0.783, -2.834, 1.869],
+        [-1.919, 2.523, -1.026, 1.655, -1.209, -3.094],
+        [1.24, 0.842, -0.79, 0.156, 0.026, -1.916],
+        [1.923, -0.827, -1.178, 0.866, -2.844, 1.38],
+    ];
+    let of_hc10 = [
+        [-1.797, -2.617, -0.384, 1.38, 1.75, -3.035],
+        [2.707, -2.555, -0.629, 2.117, -1.983, 2.472],
+        [0.183, -2.527, -0.358, 0.898, 2.673, -1.123],
+        [2.621, -2.44, -0.852, 1.97, -0.984, 2.569],
+    ];
+    for (chain, postures) in [(crx10ial(), &of_crx[..]), (hc10(), &of_hc10[..])] {
+        assert_eq!(class(&chain), Class::General);
+        for q in postures {
+            assert!(is_found(&chain, q), "{q:?}");
+        }
+    }
+}
+
+/// With axis 6 along axis 1, or nearly so, the equations of the order that is best elsewhere are dependent.
+#[test]
+fn a_vertical_tool_axis_loses_no_branch() {
+    let (chain, mut spread) = (crx10ial(), Spread(12));
+    for tilt in [0.0, 1e-6, 1e-4, 1e-2] {
+        let mut lost = 0;
+        for _ in 0..50 {
+            let mut q: [f64; 6] = std::array::from_fn(|_| spread.within(PI));
+            (q[3], q[4]) = (0.0, 0.0);
+            let forearm = chain.fk(&[q[0], q[1], q[2], 0.0, 0.0, 0.0]).rotation * chain.home().rotation.inverse();
+            // Axis 6 is (-cos q5, -sin q5 sin q4, -sin q5 cos q4) as the forearm sees it.
+            let seen = forearm.inverse() * Vector3::new(tilt, 0.5 * tilt, -1.0).normalize();
+            q[3] = (-seen.y).atan2(-seen.z);
+            q[4] = seen.y.hypot(seen.z).atan2(-seen.x);
+            lost += usize::from(regular(&chain, &q) && !is_found(&chain, &q));
+        }
+        println!("tilt {tilt:e}: {lost} of 50 lost");
+        assert_eq!(lost, 0, "tilt {tilt:e}");
+    }
+}
+
 /// Round angles make the equations of such an arm dependent: those of arms near it are solved.
 #[test]
 fn an_arm_whose_wrist_has_an_offset_loses_at_most_one_branch_in_two_hundred() {
