@@ -40,6 +40,7 @@ class SearchGiven(TypedDict):
     zeros: list[str]
     effects: list[str]
     max_effects: int
+    mass: float | None
     gear_ratios: list[str]
     prior: tuple[str, str] | None
     hold_out: float | None

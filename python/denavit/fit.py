@@ -265,6 +265,7 @@ def calibrate(
     distance: Sequence[str] = (),
     effects: Literal["auto", "curves", "none"] | Sequence[str] | None = "auto",
     max_effects: int = 8,
+    mass: float | None = None,
     scales: Iterable[str] | Literal["all"] = (),
     pitches: Iterable[str] | Literal["all"] = (),
     zeros: Iterable[str] | Literal["all"] = (),
@@ -293,6 +294,7 @@ def calibrate(
         effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
             of the joints alone), or ``None``.
         max_effects: No more effects than this.
+        mass: Mass of all moving links, kg, as on the data sheet, where the description has no masses.
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
         zeros: Joints whose zeros are fitted, and no axis or effect: names, or ``"all"``. ``fit.parameters["elbow_joint.zero"]``
@@ -342,6 +344,7 @@ def calibrate(
         "zeros": _words(zeros),
         "effects": ["none"] if effects is None else _words(effects),
         "max_effects": whole("max_effects", max_effects),
+        "mass": None if mass is None else number("mass", mass),
         "gear_ratios": [f"{joint}={number(f'gear_ratio[{joint!r}]', ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
         "prior": earlier(prior),
         "hold_out": None if hold_out is None else number("hold_out", hold_out),

@@ -155,6 +155,9 @@ pub enum CalibrateError {
         "‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their own"
     )]
     HoldOutShare(f64),
+    /// A total mass for a robot whose masses are known.
+    #[error("‹mass›: the description has masses, and they are used; leave ‹mass› out")]
+    MassesKnown,
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
@@ -350,6 +353,9 @@ pub fn calibrate_and_tell(
         test = test.map(|test| loads.applied(test));
     }
     let total = options.trace.as_ref().and_then(|trace| trace.total_mass);
+    if total.is_some() && statics.masses.from_inertials {
+        return Err(CalibrateError::MassesKnown);
+    }
     let scaled = total.map(|total| statics.of_total(total));
     let statics = scaled.as_ref().unwrap_or(statics);
     let asks_masses = asks_loads && identification.earlier.is_none();

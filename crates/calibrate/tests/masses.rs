@@ -2,7 +2,7 @@
 
 use crate::drawn::drawn;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
+use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
 use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::report::text;
@@ -85,6 +85,9 @@ fn a_calibration_says_and_keeps_the_masses_that_it_used() {
     let masses = result.report.masses.clone().expect("masses are found");
     assert!(masses.total_given && (masses.total_kg - 20.0).abs() < 1.0, "{masses:?}");
     assert!(text::report(&result).contains("the description has no masses"), "{}", text::report(&result));
+    let (_, weighed) = drawn("universal_robots/ur5e.urdf");
+    let refused = calibrate(&chain, &weighed, rows(&chain, None, 1), None, &options);
+    assert!(matches!(refused, Err(CalibrateError::MassesKnown)), "{:?}", refused.err());
     // The file of effects has them, so that `fk --effects` loads the joints as the fit did.
     let fitted = result.effects(&rods);
     let saved = SavedEffects::from_json("effects.json", &fitted.to_json(), &rods).unwrap();

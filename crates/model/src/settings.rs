@@ -50,6 +50,7 @@ pub const SETTINGS: &[&str] = &[
     "joint-topic",
     "json",
     "keep-link-frames",
+    "mass",
     "offsets-out",
     "only",
     "out-for",

@@ -484,15 +484,15 @@ impl Products {
             |across: bool| (0..compliances).filter(|&k| self.across[k] == across).map(|k| seen[k]).fold(0.0, f64::max);
         let variances =
             [false, true].map(|across| (self.square / largest(across).max(f64::MIN_POSITIVE)).min(prior.largest));
-        let mut state = self.settled(prior, State { variances, ..rods }, compliances)?;
+        let mut state = self.converged(prior, State { variances, ..rods }, compliances)?;
         if free {
-            state = self.settled(prior, state, compliances + UNITS * self.links)?;
+            state = self.converged(prior, state, compliances + UNITS * self.links)?;
         }
         Some(state)
     }
 
     /// The best state in its first numbers, and the variances of compliances that go with it.
-    fn settled(&self, prior: &Prior, mut state: State, free: usize) -> Option<State> {
+    fn converged(&self, prior: &Prior, mut state: State, free: usize) -> Option<State> {
         let compliances = state.compliances.len();
         let mut cost = self.cost(prior, &state);
         for _ in 0..STEPS {

@@ -54,10 +54,6 @@ pub fn run(arguments: &CalibrateArguments) -> Result<Status, Failure> {
         options.other_chains = other_chains(&robot.loaded, &robot.chain, &data);
     }
     let spinner = Spinner::start("reading");
-    if arguments.mass.is_some() && robot.statics.masses.from_inertials {
-        let message = "--mass: the description has masses of its own, and they are used; leave --mass out";
-        return Err(Failure::Argument(message.into()));
-    }
     let mut result = calibrate_and_tell(&robot.chain, &robot.statics, data, test, &options, &mut |progress| {
         spinner.say(match progress {
             Progress::Geometry => "fitting the geometry",
