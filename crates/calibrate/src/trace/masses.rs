@@ -10,7 +10,7 @@
 //! m, Δ  mass and shift of the centre of each link
 //! ```
 //! b and w are projected out; c, ln m and Δ are found by Gauss-Newton steps on the products of the columns. The priors of m and Δ are the
-//! assumed rods ([`crate::effects::gravity::Masses::stand_in`]); that of c has one variance about the axes and one across them, found from
+//! assumed rods (`Masses::stand_in`); that of c has one variance about the axes and one across them, found from
 //! the data (expectation maximisation). Only the products m·c are seen, so the total mass is held: at the data sheet's, or at the rods'.
 //! The masses are used where, found in either half of the postures, they predict the other half better than the rods do, together by very
 //! strong evidence (Kass, Raftery 1995).
