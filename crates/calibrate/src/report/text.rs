@@ -248,6 +248,9 @@ pub fn calibration(result: &Calibration) -> String {
         let _ = writeln!(text, "  {} {held}: {}", unidentifiable.parameter, unidentifiable.why);
     }
     text.push_str(&trust::redundancy(result));
+    if let Some(masses) = &report.masses {
+        let _ = writeln!(text, "masses: {}", masses.said());
+    }
     if !report.columns.is_empty() {
         let _ = writeln!(text, "columns: {}", columns::in_words(&report.columns));
     }

@@ -105,9 +105,6 @@ pub(super) fn supposed(report: &CalibrationReport) -> String {
     if let Some(loads) = &report.undeclared_loads {
         let _ = writeln!(text, "ATTENTION: {}", loads.said());
     }
-    if let Some(masses) = &report.masses {
-        let _ = writeln!(text, "note: {}", masses.said());
-    }
     if let Some(anew) = &report.placed_anew {
         let _ = writeln!(text, "ATTENTION: {}", anew.said());
     }
