@@ -18,6 +18,7 @@ pub(crate) mod linear;
 pub mod loads;
 pub mod masses;
 mod partial_residuals;
+mod projected;
 mod projector;
 mod refine;
 pub(crate) mod search;

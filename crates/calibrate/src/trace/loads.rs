@@ -14,14 +14,14 @@
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::Kind;
 use crate::effects::driver::{Driver, Statics};
-use crate::effects::model::{Coupling, EffectModel, Term};
+use crate::effects::model::{Coupling, Term};
 use crate::effects::survey::Survey;
-use crate::identify::gram::{cross_gram, gram_of, subtract_each};
 use crate::identify::solve::Fit;
 use crate::observation::measurements::covariates::PAYLOAD;
 use crate::observation::measurements::{Covariate, Measurements};
-use crate::observation::parameters::{Effects as _, NoEffects};
+use crate::observation::parameters::NoEffects;
 use crate::trace::linear::{Linear, linearise};
+use crate::trace::projected::{Projected, RowProducts, fit_with};
 use crate::trace::projector::Projector;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -171,10 +171,7 @@ pub(super) fn smooth(survey: &Survey) -> Vec<Term> {
 
 /// The columns of these terms about the geometric fit.
 fn columns(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>, terms: &[Term]) -> Linear {
-    let mut fit = geometric.with_model(statics, None);
-    fit.effects = EffectModel::of_terms(statics, None, terms);
-    fit.layout = fit.layout.with_effects(fit.effects.parameters());
-    linearise(data, &fit, &geometric.arm, &[])
+    linearise(data, &fit_with(statics, geometric, terms), &geometric.arm, &[])
 }
 
 /// Products of what is left of the columns and of the residual: of the softnesses under the links' weight first, then of run after run under
@@ -221,40 +218,14 @@ impl Problem {
                 cells.extend((0..rows).map(|at| if here(at) { own[at] } else { 0.0 }));
             }
         }
-        let shares = cross_gram(projector.basis(), &cells, rows);
-        subtract_each(projector.basis(), &shares, &mut cells, rows);
-        let first = data.first_of_posture();
-        let mut half = vec![None; data.len()];
-        let mut postures = 0_usize;
-        for row in 0..data.len() {
-            half[row] = if first[row] == row {
-                postures += 1;
-                Some(postures % 2)
-            } else {
-                half[first[row]]
-            };
-        }
-        let products = |kept: &dyn Fn(usize) -> bool, rank: usize| {
-            let rows: Vec<usize> = (0..rows).filter(|&at| kept(at)).collect();
-            let values = rows.iter().filter(|&&at| at < linear.rows.len() && linear.weights[at] > 0.0).count();
-            let pick = |column: &[f64]| rows.iter().map(|&at| column[at]).collect::<Vec<f64>>();
-            let own: Vec<f64> = cells.chunks_exact(linear.residual.len()).flat_map(pick).collect();
-            let residual = pick(projector.residual.as_slice());
-            let count = own.len() / rows.len().max(1);
-            Products {
-                gram: DMatrix::from_vec(count, count, gram_of(&own, rows.len())),
-                along: DVector::from_vec(cross_gram(&own, &residual, rows.len())),
-                square: residual.iter().map(|value| value * value).sum(),
-                joints,
-                freedom: values.saturating_sub(rank),
-            }
+        let projected = Projected::new(&projector, cells, &linear, data);
+        let products = |half: Option<usize>, rank: usize| {
+            let RowProducts { gram, along, square, values } = projected.products(half);
+            Products { gram, along, square, joints, freedom: values.saturating_sub(rank) }
         };
-        let rank = projector.rank();
-        let halves = [0, 1].map(|which| {
-            let here = |at: usize| linear.rows.get(at).is_some_and(|&row| half[row] == Some(which));
-            products(&here, rank / 2)
-        });
-        Some(Self { all: products(&|_| true, rank), halves })
+        let rank = projected.rank;
+        let halves = [0, 1].map(|half| products(Some(half), rank / 2));
+        Some(Self { all: products(None, rank), halves })
     }
 }
 

@@ -22,14 +22,14 @@ use crate::effects::gravity::{Masses, PointMass};
 use crate::effects::model::{Coupling, EffectModel, Term};
 use crate::effects::survey::Survey;
 use crate::identify::averaging::terms::largest_moment;
-use crate::identify::gram::{cross_gram, gram_of, subtract_each};
 use crate::identify::solve::Fit;
 use crate::observation::arm::Row;
 use crate::observation::measurements::Measurements;
 use crate::observation::measurements::covariates::PAYLOAD;
-use crate::observation::parameters::{Effects as _, NoEffects};
+use crate::observation::parameters::NoEffects;
 use crate::trace::linear::{Linear, linearise};
 use crate::trace::loads::{of_joint, smooth};
+use crate::trace::projected::{Projected, RowProducts, fit_with};
 use crate::trace::projector::Projector;
 use crate::trace::search::carriers_of;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Vector3};
@@ -135,7 +135,7 @@ pub fn link_masses(
         largest: (GIVES / largest_moment(statics)).powi(2),
     };
     let columns = Columns::of(statics, data, geometric, (&compliances, &smooth(&survey)))?;
-    let [first, second] = columns.halves();
+    let [first, second] = [0, 1].map(|half| columns.products(Some(half)));
     let (mut rods_leave, mut masses_leave, mut free) = (0.0, 0.0, 0);
     for (own, other) in [(&first, &second), (&second, &first)] {
         let rods = own.solved(&prior, false)?;
@@ -146,12 +146,12 @@ pub fn link_masses(
         }
         rods_leave += before;
         masses_leave += after;
-        free += other.freedom;
+        free += other.freedom();
     }
     if free == 0 || (rods_leave - masses_leave) * free as f64 <= VERY_STRONG * masses_leave {
         return None;
     }
-    let all = columns.products(&|_| true);
+    let all = columns.products(None);
     let found = all.solved(&prior, true)?;
     let deviations = all.deviations(&prior, &found)?;
     let joints = statics.chain.joints();
@@ -248,13 +248,7 @@ struct Place {
 /// What 1 of each compliance does under 1 of each unit, outside what is projected out.
 struct Columns {
     places: Vec<Place>,
-    /// Column by column.
-    cells: Vec<f64>,
-    residual: Vec<f64>,
-    /// Directions that are projected out.
-    rank: usize,
-    /// For each value the half that its posture belongs to; none for rows of priors.
-    half: Vec<Option<usize>>,
+    projected: Projected,
     /// Whether each compliance is across its axis.
     across: Vec<bool>,
     links: usize,
@@ -267,49 +261,20 @@ impl Columns {
         geometric: &Fit<NoEffects>,
         (compliances, smooth): (&[Term], &[Term]),
     ) -> Option<Self> {
-        let mut fit = geometric.with_model(statics, None);
-        fit.effects = EffectModel::of_terms(statics, None, smooth);
-        fit.layout = fit.layout.with_effects(fit.effects.parameters());
+        let mut fit = fit_with(statics, geometric, smooth);
         let thinned = thinned(data, &mut fit);
         let data = thinned.as_ref().unwrap_or(data);
         let linear = linearise(data, &fit, &geometric.arm, &carriers_of(compliances.iter()));
-        let (places, mut cells) = under_units(statics, data, &geometric.arm.joints, compliances, &linear)?;
-        let rows = linear.residual.len();
+        let (places, cells) = under_units(statics, data, &geometric.arm.joints, compliances, &linear)?;
         let projector = Projector::new(&[&linear.geometry, &linear.effects], &linear.residual);
-        let shares = cross_gram(projector.basis(), &cells, rows);
-        subtract_each(projector.basis(), &shares, &mut cells, rows);
-        let mut postures = 0_usize;
-        let mut of_row: Vec<usize> = Vec::with_capacity(data.len());
-        for (row, first) in data.first_of_posture().into_iter().enumerate() {
-            of_row.push(of_row.get(first).copied().unwrap_or(postures % 2));
-            postures += usize::from(first == row);
-        }
-        let half = (0..rows).map(|at| linear.rows.get(at).map(|&row| of_row[row])).collect();
         let across = compliances.iter().map(|term| term.coupling == Coupling::Paired).collect();
-        let (residual, links) = (projector.residual.as_slice().to_vec(), statics.masses.points.len());
-        Some(Self { places, cells, residual, rank: projector.rank(), half, across, links })
+        let projected = Projected::new(&projector, cells, &linear, data);
+        Some(Self { places, projected, across, links: statics.masses.points.len() })
     }
 
-    fn halves(&self) -> [Products; 2] {
-        [0, 1].map(|which| self.products(&|half| half == Some(which)))
-    }
-
-    /// Their products in some of the rows.
-    fn products(&self, kept: &dyn Fn(Option<usize>) -> bool) -> Products {
-        let rows: Vec<usize> = (0..self.residual.len()).filter(|&at| kept(self.half[at])).collect();
-        let pick = |column: &[f64]| rows.iter().map(|&at| column[at]).collect::<Vec<f64>>();
-        let own: Vec<f64> = self.cells.chunks_exact(self.residual.len()).flat_map(pick).collect();
-        let residual = pick(&self.residual);
-        let count = self.places.len();
-        Products {
-            places: self.places.clone(),
-            gram: DMatrix::from_vec(count, count, gram_of(&own, rows.len())),
-            along: DVector::from_vec(cross_gram(&own, &residual, rows.len())),
-            square: residual.iter().map(|value| value * value).sum(),
-            freedom: rows.len().saturating_sub(self.rank * rows.len() / self.residual.len().max(1)),
-            across: self.across.clone(),
-            links: self.links,
-        }
+    /// Their products in one half of the postures, or in all rows.
+    fn products(&self, half: Option<usize>) -> Products<'_> {
+        Products { columns: self, of_rows: self.projected.products(half) }
     }
 }
 
@@ -352,6 +317,14 @@ fn under_units(
     };
     let units: Vec<(Masses, [Point3<f64>; 1])> = (0..UNITS * points.len()).map(unit).collect();
     let nothing = Masses { points: Vec::new(), ..statics.masses };
+    let carriers: Vec<_> = compliances.iter().map(|term| linear.columns_of(term.carrier)).collect::<Option<_>>()?;
+    // Unit by unit, so that its loads are found once.
+    let each = (0..units.len()).map(Some).chain(payload.then_some(None));
+    let columns_of = |unit: Option<usize>| {
+        let own = places.iter().enumerate().filter(|(_, place)| place.unit == unit);
+        (unit, own.map(|(column, place)| (column, place.compliance)).collect::<Vec<_>>())
+    };
+    let each: Vec<_> = each.map(columns_of).collect();
     let rows = linear.residual.len();
     let mut cells = vec![0.0; rows * places.len()];
     let mut first = 0;
@@ -366,22 +339,20 @@ fn under_units(
             term.driver.values_into(statics, &conditions, posture, &mut values);
             [values[0], values.get(1).copied().unwrap_or(0.0)]
         };
-        // Unit by unit, so that its loads are found once; a first moment is 1 kg further on less 1 kg at the centre.
-        for unit in (0..units.len()).map(Some).chain(payload.then_some(None)) {
-            let own = places.iter().enumerate().filter(|(_, place)| place.unit == unit);
-            match unit {
+        for (unit, own) in &each {
+            match *unit {
                 Some(unit) => statics.load_with(&units[unit].0, &units[unit].1, None, &mut posture),
                 None => statics.load_with(&nothing, &[], Some(&conditions), &mut posture),
             }
-            for (column, place) in own {
-                let term = &compliances[place.compliance];
-                let mut driven = drive(&posture, term);
+            for &(column, compliance) in own {
+                let mut driven = drive(&posture, &compliances[compliance]);
+                // A first moment is 1 kg further on less 1 kg at the centre.
                 match unit.map(|unit| unit % UNITS) {
-                    Some(0) => at_centre[place.compliance] = driven,
-                    Some(_) => driven.iter_mut().zip(at_centre[place.compliance]).for_each(|(value, at)| *value -= at),
+                    Some(0) => at_centre[compliance] = driven,
+                    Some(_) => driven.iter_mut().zip(at_centre[compliance]).for_each(|(value, at)| *value -= at),
                     None => {}
                 }
-                let carrier = linear.columns_of(term.carrier)?;
+                let carrier = &carriers[compliance];
                 for line in first..first + lines.len() {
                     let moved = carrier
                         .clone()
@@ -396,25 +367,32 @@ fn under_units(
     Some((places, cells))
 }
 
-/// Products of the columns with one another and with the residual.
-struct Products {
-    places: Vec<Place>,
-    gram: DMatrix<f64>,
-    along: DVector<f64>,
-    square: f64,
-    /// Values, less the directions that are projected out.
-    freedom: usize,
-    across: Vec<bool>,
-    links: usize,
+/// The columns and their products in some of the rows.
+struct Products<'a> {
+    columns: &'a Columns,
+    of_rows: RowProducts,
 }
 
-impl Products {
+/// Half the slope of the cost, and half its curvature (Gauss-Newton), in compliances and the links' numbers, but for the prior of the
+/// compliances, whose variances change while the state does not.
+struct Normal {
+    slope: DVector<f64>,
+    curvature: DMatrix<f64>,
+}
+
+impl Products<'_> {
+    /// Values, less the share of the directions that are projected out.
+    fn freedom(&self) -> usize {
+        let (values, projected) = (self.of_rows.values, &self.columns.projected);
+        values.saturating_sub(projected.rank * values / projected.rows().max(1))
+    }
+
     /// How much of each column a state takes, and its derivatives by the compliances and then by the links' numbers.
     fn taken(&self, prior: &Prior, state: &State) -> (DVector<f64>, DMatrix<f64>) {
         let compliances = state.compliances.len();
-        let mut taken = DVector::zeros(self.places.len());
-        let mut slopes = DMatrix::zeros(self.places.len(), compliances + state.links.len());
-        for (column, place) in self.places.iter().enumerate() {
+        let mut taken = DVector::zeros(self.columns.places.len());
+        let mut slopes = DMatrix::zeros(self.columns.places.len(), compliances + state.links.len());
+        for (column, place) in self.columns.places.iter().enumerate() {
             let c = state.compliances[place.compliance];
             let Some(unit) = place.unit else {
                 (taken[column], slopes[(column, place.compliance)]) = (c, 1.0);
@@ -436,11 +414,11 @@ impl Products {
     /// The sum of squares that a state leaves.
     fn squares(&self, prior: &Prior, state: &State) -> f64 {
         let (taken, _) = self.taken(prior, state);
-        self.square + 2.0 * self.along.dot(&taken) + taken.dot(&(&self.gram * &taken))
+        self.of_rows.square + 2.0 * self.of_rows.along.dot(&taken) + taken.dot(&(&self.of_rows.gram * &taken))
     }
 
     fn precision(&self, state: &State, compliance: usize) -> f64 {
-        1.0 / state.variances[usize::from(self.across[compliance])]
+        1.0 / state.variances[usize::from(self.columns.across[compliance])]
     }
 
     /// With what the priors add.
@@ -450,43 +428,55 @@ impl Products {
         self.squares(prior, state) + compliances + state.links.norm_squared() + prior.total(state).0.powi(2)
     }
 
-    /// Half the slope of the cost, and half its curvature (Gauss-Newton), in compliances and the links' numbers.
-    fn normal(&self, prior: &Prior, state: &State) -> (DVector<f64>, DMatrix<f64>) {
+    fn normal(&self, prior: &Prior, state: &State) -> Normal {
         let (taken, slopes) = self.taken(prior, state);
         let compliances = state.compliances.len();
-        let mut slope = slopes.tr_mul(&(&self.along + &self.gram * taken));
-        let mut curvature = slopes.tr_mul(&(&self.gram * &slopes));
-        for k in 0..compliances {
-            slope[k] += state.compliances[k] * self.precision(state, k);
-            curvature[(k, k)] += self.precision(state, k);
-        }
+        let mut slope = slopes.tr_mul(&(&self.of_rows.along + &self.of_rows.gram * taken));
+        let mut curvature = slopes.tr_mul(&(&self.of_rows.gram * &slopes));
         let (excess, total) = prior.total(state);
         let mut links = slope.rows_mut(compliances, state.links.len());
         links += &state.links + &total * excess;
         let mut links = curvature.view_mut((compliances, compliances), (state.links.len(), state.links.len()));
         links += &total * total.transpose();
         (0..state.links.len()).for_each(|k| links[(k, k)] += 1.0);
-        (slope, curvature)
+        Normal { slope, curvature }
+    }
+
+    /// Half the slope of the cost in the first numbers, and the inverse of half its curvature there.
+    fn step(
+        &self,
+        Normal { slope, curvature }: &Normal,
+        state: &State,
+        free: usize,
+    ) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let mut slope = slope.rows(0, free).into_owned();
+        let mut curvature = curvature.view((0, 0), (free, free)).into_owned();
+        for k in 0..state.compliances.len() {
+            slope[k] += state.compliances[k] * self.precision(state, k);
+            curvature[(k, k)] += self.precision(state, k);
+        }
+        Some((slope, scaled_inverse(&curvature)?))
     }
 
     /// Compliances, and, where they are free, masses and centres.
     fn solved(&self, prior: &Prior, free: bool) -> Option<State> {
-        let compliances = self.across.len();
+        let compliances = self.columns.across.len();
         let rods = State {
             compliances: DVector::zeros(compliances),
-            links: DVector::zeros(UNITS * self.links),
+            links: DVector::zeros(UNITS * self.columns.links),
             variances: [f64::INFINITY; 2],
         };
         // Under rods the compliances are linear; a unit of prior variance moves the tip as far as the residual is large.
         let (_, slopes) = self.taken(prior, &rods);
-        let seen = slopes.tr_mul(&(&self.gram * &slopes)).diagonal().rows(0, compliances).into_owned();
-        let largest =
-            |across: bool| (0..compliances).filter(|&k| self.across[k] == across).map(|k| seen[k]).fold(0.0, f64::max);
-        let variances =
-            [false, true].map(|across| (self.square / largest(across).max(f64::MIN_POSITIVE)).min(prior.largest));
+        let seen = slopes.tr_mul(&(&self.of_rows.gram * &slopes)).diagonal().rows(0, compliances).into_owned();
+        let largest = |across: bool| {
+            (0..compliances).filter(|&k| self.columns.across[k] == across).map(|k| seen[k]).fold(0.0, f64::max)
+        };
+        let variances = [false, true]
+            .map(|across| (self.of_rows.square / largest(across).max(f64::MIN_POSITIVE)).min(prior.largest));
         let mut state = self.converged(prior, State { variances, ..rods }, compliances)?;
         if free {
-            state = self.converged(prior, state, compliances + UNITS * self.links)?;
+            state = self.converged(prior, state, compliances + UNITS * self.columns.links)?;
         }
         Some(state)
     }
@@ -494,10 +484,10 @@ impl Products {
     /// The best state in its first numbers, and the variances of compliances that go with it.
     fn converged(&self, prior: &Prior, mut state: State, free: usize) -> Option<State> {
         let compliances = state.compliances.len();
-        let mut cost = self.cost(prior, &state);
+        let (mut cost, mut normal) = (self.cost(prior, &state), self.normal(prior, &state));
         for _ in 0..STEPS {
-            let (slope, curvature) = self.normal(prior, &state);
-            let step = -scaled_inverse(&curvature, free)? * slope.rows(0, free);
+            let (slope, inverse) = self.step(&normal, &state, free)?;
+            let step = -inverse * slope;
             let moved = |share: f64| State {
                 compliances: &state.compliances + step.rows(0, compliances) * share,
                 links: if free > compliances {
@@ -513,8 +503,10 @@ impl Products {
             let gained = better.as_ref().map_or(0.0, |(found, _)| cost - found);
             if let Some((_, better)) = better {
                 state = better;
+                normal = self.normal(prior, &state);
             }
-            state.variances = self.variances(prior, &state, free)?;
+            let (_, covariance) = self.step(&normal, &state, free)?;
+            state.variances = self.variances(prior, &state, &covariance);
             cost = self.cost(prior, &state);
             if gained < GAINED {
                 break;
@@ -524,29 +516,26 @@ impl Products {
     }
 
     /// Prior variances of the compliances as expectation maximisation has them next.
-    fn variances(&self, prior: &Prior, state: &State, free: usize) -> Option<[f64; 2]> {
-        let covariance = scaled_inverse(&self.normal(prior, state).1, free)?;
-        Some([false, true].map(|across| {
-            let own = || (0..self.across.len()).filter(|&k| self.across[k] == across);
+    fn variances(&self, prior: &Prior, state: &State, covariance: &DMatrix<f64>) -> [f64; 2] {
+        [false, true].map(|across| {
+            let own = || (0..self.columns.across.len()).filter(|&k| self.columns.across[k] == across);
             let squares: f64 = own().map(|k| state.compliances[k].powi(2) + covariance[(k, k)]).sum();
             (squares / own().count().max(1) as f64).min(prior.largest)
-        }))
+        })
     }
 
     /// Standard deviation of each link's mass, relative.
     fn deviations(&self, prior: &Prior, state: &State) -> Option<Vec<f64>> {
         let compliances = state.compliances.len();
-        let covariance = scaled_inverse(&self.normal(prior, state).1, compliances + state.links.len())?;
+        let (_, covariance) = self.step(&self.normal(prior, state), state, compliances + state.links.len())?;
         let of = |link: usize| MASS * covariance[(compliances + UNITS * link, compliances + UNITS * link)].sqrt();
-        Some((0..self.links).map(of).collect())
+        Some((0..self.columns.links).map(of).collect())
     }
 }
 
-/// Inverse of the first rows and columns of a positive definite matrix whose numbers have units of their own.
-fn scaled_inverse(matrix: &DMatrix<f64>, first: usize) -> Option<DMatrix<f64>> {
-    let part = matrix.view((0, 0), (first, first));
-    let scale = part.diagonal().map(|cell| 1.0 / cell.max(f64::MIN_POSITIVE).sqrt());
-    let scaled = DMatrix::from_fn(first, first, |i, j| part[(i, j)] * scale[i] * scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
-    Some(DMatrix::from_fn(first, first, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+/// Inverse of a positive definite matrix whose numbers have units of their own.
+fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale = matrix.diagonal().map(|cell| 1.0 / cell.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = |matrix: &DMatrix<f64>| matrix.map_with_location(|i, j, cell| cell * scale[i] * scale[j]);
+    Some(scaled(&scaled(matrix).cholesky()?.inverse()))
 }
