@@ -83,10 +83,11 @@ fn outside(averaged: &Averaged, data: &Measurements, rows: &[usize], k: usize, r
     let (lower, upper) = chain.coordinates()[k].range();
     let ends = [lower, upper].into_iter().filter(|end| *end < low - AT_THE_END || *end > high + AT_THE_END);
     let nothing = averaged.bound(&|name| RecordedRow::nothing().column(name));
-    let worst = ends.flat_map(|at| rows.iter().map(move |&row| (at, row))).map(|(at, row)| {
+    let rows = rows.iter().filter(|&&row| data.moves_its_tip(row, k));
+    let worst = ends.flat_map(|at| rows.clone().map(move |&row| (at, row))).map(|(at, row)| {
         let mut reading = data.reading(row).to_vec();
         reading[k] = at;
-        let conditions = Conditions { reading: &reading, recorded: RecordedRow::nothing(), tip: 0 };
+        let conditions = Conditions { reading: &reading, recorded: RecordedRow::nothing(), tip: data.tip_of(row) };
         (at, root * nothing.expected_error(&conditions))
     });
     let (at, error_m) = worst.max_by(|a, b| a.1.total_cmp(&b.1))?;

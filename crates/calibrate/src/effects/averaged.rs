@@ -48,10 +48,8 @@ pub struct Known {
     pub geometric: Arm,
     /// The base of the averaged robot, in that of the geometric one.
     pub base: Pose,
-    /// The averaged robot's tip, in that of the geometric one.
-    pub tip: Pose,
-    /// Where errors are judged: tip frame, m.
-    pub target: Vector3<f64>,
+    /// Of each tip what the rows say of it.
+    pub tips: Vec<KnownTip>,
     /// Where an instrument with a frame of its own stands, instrument_from_base of the averaged robot: its frame, its metre and what it reads
     /// along its line of sight are among what is unsure.
     pub instrument: Option<Pose>,
@@ -59,10 +57,8 @@ pub struct Known {
     pub spread: Spread,
     /// How unsure geometry is where it acts alone.
     pub geometric_spread: Spread,
-    /// The base and the tip of the drawn robot in those of the geometric one, as the rows place both.
+    /// The base of the drawn robot in that of the geometric one, as the rows place both.
     pub drawn_base: Pose,
-    /// See [`Known::drawn_base`].
-    pub drawn_tip: Pose,
     /// Mean square error of the drawing, m².
     pub of_drawing: f64,
     /// Variance of any joint's curve where nothing is known of it, rad² or m²: what holds beyond the interval of its waves.
@@ -82,11 +78,22 @@ pub struct Known {
     pub ranges: Vec<(f64, f64)>,
 }
 
+/// A tip, as the rows place it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownTip {
+    /// That of the averaged robot, in that of the geometric one.
+    pub averaged: Pose,
+    /// That of the drawn robot, in that of the geometric one.
+    pub drawn: Pose,
+    /// Where errors are judged: tip frame, m.
+    pub target: Vector3<f64>,
+}
+
 /// A covariance of some numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
     /// Which of the model's numbers have an uncertainty of their own; after them come, in this order, the frame that the instrument stands in
-    /// (six numbers, where there is one) and the target's place (three).
+    /// (six numbers, where there is one) and the place of each tip's target (three).
     pub kept: Vec<usize>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
@@ -153,7 +160,8 @@ impl Averaged {
 
     /// The robot under these conditions: geometry alone, everything averaged, the drawing, and how unsure they are.
     fn robots(&self, conditions: &Conditions<'_>, standing: &mut Standing) -> Robots {
-        let Known { drawn, geometric, base, tip, .. } = &self.known;
+        let Known { drawn, geometric, base, .. } = &self.known;
+        let KnownTip { averaged: tip, drawn: drawn_tip, target: judged } = &self.known.tips[conditions.tip];
         let beyond = self.model.0.effects.iter().any(|effect| match &effect.term.driver {
             Driver::Smooth { covariate, knots } => {
                 let (value, last) = (conditions.recorded.value(covariate), knots.len() - 1);
@@ -166,23 +174,24 @@ impl Averaged {
         let mut own = Perturbation::none(drawn.joints.len());
         model.0.bend(conditions, &drawn.joints, standing, &mut own);
         let (mut averaged, mut plain) = (RowState::default(), RowState::default());
-        drawn.state_into(conditions.reading, 0, Some(&own), &mut averaged);
-        geometric.state_into(conditions.reading, 0, None, &mut plain);
+        drawn.state_into(conditions.reading, conditions.tip, Some(&own), &mut averaged);
+        geometric.state_into(conditions.reading, conditions.tip, None, &mut plain);
         let to_averaged = plain.tip.inverse() * base * averaged.tip * tip;
         let [of_all, of_geometry, of_placement] = self.variances(model, conditions, standing, &averaged);
-        let inside =
-            self.known.ranges.iter().zip(conditions.reading).all(|((low, high), q)| (*low..=*high).contains(q));
+        let moves = &drawn.tips[conditions.tip].coordinates;
+        let ranges = self.known.ranges.iter().zip(conditions.reading).zip(moves);
+        let inside = ranges.filter(|(_, moves)| **moves).all(|(((low, high), q), _)| (*low..=*high).contains(q));
         let to_drawn = (!inside).then(|| {
             let mut as_drawn = RowState::default();
-            drawn.state_into(conditions.reading, 0, None, &mut as_drawn);
-            plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * self.known.drawn_tip
+            drawn.state_into(conditions.reading, conditions.tip, None, &mut as_drawn);
+            plain.tip.inverse() * self.known.drawn_base * as_drawn.tip * drawn_tip
         });
-        let target = (averaged.tip * tip * Point3::from(self.known.target)).coords;
+        let target = (averaged.tip * tip * Point3::from(*judged)).coords;
         let read = target
             + averaged.tip.rotation * own.target
             + self.by_instrument(&target, &averaged.tip, own.scale, &own.sight);
-        let apart = (plain.tip.inverse() * base * Point3::from(read)).coords - self.known.target;
-        Robots { to_averaged, apart, to_drawn, own, of_all, of_geometry, of_placement }
+        let apart = (plain.tip.inverse() * base * Point3::from(read)).coords - judged;
+        Robots { tip: conditions.tip, to_averaged, apart, to_drawn, own, of_all, of_geometry, of_placement }
     }
 
     /// How much too far the averaged robot's target at `p` (base frame, m) is read by this metre and this line of sight: a metre that is too long
@@ -202,7 +211,8 @@ impl Averaged {
         standing: &mut Standing,
         state: &RowState,
     ) -> [f64; 3] {
-        let Known { spread, geometric_spread, instrument, target, tip, of_curves, .. } = &self.known;
+        let Known { spread, geometric_spread, instrument, tips, of_curves, .. } = &self.known;
+        let KnownTip { averaged: tip, target, .. } = &tips[conditions.tip];
         let mut sensitivities = vec![Sensitivity::default(); model.len()];
         model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
         let on_tip = tip.rotation * target + tip.translation.vector;
@@ -217,7 +227,8 @@ impl Averaged {
                 of_arm + self.by_instrument(&p, &state.tip, by.scale, &by.sight)
             };
             let frame = (0..6).filter(|_| instrument.is_some()).map(|k| moved(&Vector6::ith(k, 1.0)));
-            let placed = (0..3).map(|k| state.tip.rotation * Vector3::ith(k, 1.0));
+            let own = |k: usize| if k / 3 == conditions.tip { 1.0 } else { 0.0 };
+            let placed = (0..3 * tips.len()).map(|k| state.tip.rotation * Vector3::ith(k % 3, own(k)));
             let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
             let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| columns.iter().map(|column| column[axis]).collect());
             let of = |first: usize| {
@@ -239,7 +250,7 @@ impl Averaged {
         let joints = &self.known.drawn.joints;
         let curves = self.model.0.curves.iter().filter(|curve| {
             let reading = self.model.0.statics.chain.joints()[curve.joint].value(conditions.reading);
-            !curve.waves.covers(reading)
+            self.known.drawn.tips[conditions.tip].joints[curve.joint] && !curve.waves.covers(reading)
         });
         let moved = curves.map(|curve| {
             let twist = se3::adjoint_times(&state.before[curve.joint], &joints[curve.joint].screw.twist());
@@ -270,7 +281,7 @@ impl Averaged {
         // The drawing is placed by the same rows: it is no surer of that.
         let of_drawing = of_drawing + robots.of_placement;
         let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
-        let target = Point3::from(self.known.target);
+        let target = Point3::from(self.known.tips[robots.tip].target);
         let apart = (to_drawn * target - target - way * share).norm_squared() / 3.0;
         Blend {
             shares: [share * (1.0 - drawn), drawn],
@@ -300,7 +311,7 @@ impl Averaged {
     pub(super) fn perturb(&self, conditions: &Conditions<'_>, standing: &mut Standing, out: &mut Perturbation) {
         let robots = self.robots(conditions, standing);
         let [share, of_drawn] = self.weighed(&robots).shares;
-        let home = &self.known.geometric.tips[0].home;
+        let home = &self.known.geometric.tips[conditions.tip].home;
         let last = out.twists.len() - 1;
         let mut step = se3::log(&robots.to_averaged) * share;
         if let Some(to_drawn) = &robots.to_drawn {
@@ -321,6 +332,8 @@ pub(crate) fn mixed(share: f64, [first, second]: [f64; 2], apart: f64) -> f64 {
 }
 
 struct Robots {
+    /// Which tip it is.
+    tip: usize,
     /// From the tip of the geometric robot to that of the averaged one.
     to_averaged: Pose,
     /// By which the averaged robot's target is read beside the geometric one's, tip frame, m.

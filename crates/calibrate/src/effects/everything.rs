@@ -72,16 +72,19 @@ impl Everything {
         let (of_effects, mut of_waves) = out.split_at_mut(self.coefficients());
         self.0.sensitivities_of(conditions, standing, state, of_effects);
         for curve in &self.0.curves {
+            let (own, rest) = of_waves.split_at_mut(curve.waves.len());
+            of_waves = rest;
+            if !self.0.statics.tips[conditions.tip].joints[curve.joint] {
+                continue;
+            }
             let joint = &joints[curve.joint];
             let action = Action::Twist { slot: curve.joint, twist: joint.screw.twist() };
             let mut unit = Sensitivity::default();
             add_sensitivity(&action, 1.0, state, &mut unit);
-            let (own, rest) = of_waves.split_at_mut(curve.waves.len());
             let reading = self.0.statics.chain.joints()[curve.joint].value(conditions.reading);
             for (out, wave) in own.iter_mut().zip(curve.waves.values(reading)) {
                 out.twist += unit.twist * wave;
             }
-            of_waves = rest;
         }
     }
 }

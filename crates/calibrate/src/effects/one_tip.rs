@@ -1,10 +1,14 @@
 //! What was found on the ways to several tips, for the chain to one of them.
 
+use crate::effects::averaged::{Averaged, Known, Spread};
 use crate::effects::carrier::Carrier;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, JointVelocity, Statics};
+use crate::effects::everything::Everything;
 use crate::effects::gravity::{Masses, PointMass};
 use crate::effects::model::{Coupling, Effect, EffectModel, Term};
+use crate::observation::arm::Arm;
+use crate::observation::measurements::Scene;
 use denavit_model::Tips;
 use std::sync::Arc;
 
@@ -50,14 +54,20 @@ impl EffectModel {
         let curve = |curve: &Curve| Some(Curve { joint: own[curve.joint]?, ..curve.clone() });
         Self {
             statics: self.statics.to_tip(tip),
-            effects: self.effects.iter().filter_map(|effect| self.on_the_way(effect, &own)).collect(),
+            effects: self
+                .effects
+                .iter()
+                .filter_map(|effect| self.on_the_way(effect, &own))
+                .map(|(own, _)| own)
+                .collect(),
             curves: self.curves.iter().filter_map(curve).collect(),
             earlier: None,
-            averaged: None,
+            averaged: self.averaged.as_ref().map(|averaged| Arc::new(averaged.to_tip(tip))),
         }
     }
 
-    fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<Effect> {
+    /// The effect for a chain that has its joints there, and which values of its driver are left.
+    fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<(Effect, Vec<bool>)> {
         let carrier = renumbered(term.carrier, own)?;
         let (driver, kept) = match &term.driver {
             // Parts of links that are not on the way are none of this chain's.
@@ -76,7 +86,60 @@ impl EffectModel {
                 values.filter(|(_, kept)| **kept).map(|(value, _)| *value).collect()
             }
         };
-        Some(Effect { term: Term { carrier, driver, ..term.clone() }, coefficients })
+        Some((Effect { term: Term { carrier, driver, ..term.clone() }, coefficients }, kept))
+    }
+}
+
+impl Averaged {
+    /// For the chain to one tip alone.
+    fn to_tip(&self, tip: usize) -> Self {
+        let (mean, known) = (self.mean(), &self.known);
+        let own = mean.statics.own(tip);
+        // For each number its place among those that are left.
+        let (mut places, mut averages, mut next) = (Vec::new(), Vec::new(), 0);
+        for (effect, of_driver) in mean.effects.iter().zip(&self.averages) {
+            let kept = mean.on_the_way(effect, &own).map(|(_, kept)| kept);
+            if let Some(kept) = &kept {
+                averages.push(of_driver.iter().zip(kept).filter(|(_, kept)| **kept).map(|(value, _)| *value).collect());
+            }
+            for number in 0..effect.coefficients.len() {
+                let by_value = effect.term.coupling == Coupling::Each;
+                let left = kept.as_ref().is_some_and(|kept| !by_value || kept[number % kept.len()]);
+                places.push(left.then_some(next));
+                next += usize::from(left);
+            }
+        }
+        for curve in &mean.curves {
+            let left = own[curve.joint].is_some();
+            for _ in 0..curve.waves.len() {
+                places.push(left.then_some(next));
+                next += usize::from(left);
+            }
+        }
+        let spread = |spread: &Spread| {
+            let numbers = spread.kept.len();
+            let frames = spread.covariance.nrows() - numbers - 3 * known.tips.len();
+            let left = (0..numbers).filter(|&k| places[spread.kept[k]].is_some());
+            let target = numbers + frames + 3 * tip;
+            let cells: Vec<usize> = left.chain(numbers..numbers + frames).chain(target..target + 3).collect();
+            Spread {
+                kept: spread.kept.iter().filter_map(|&number| places[number]).collect(),
+                covariance: spread.covariance.select_rows(&cells).select_columns(&cells),
+            }
+        };
+        let (drawn, geometric) = (known.drawn.nominal_to(tip), known.geometric.chain_to(tip));
+        let arm = Arm::new(&drawn, &Scene::default());
+        let moves = known.drawn.tips[tip].coordinates.iter();
+        let known = Known {
+            geometric: Arm { joints: geometric.joints().to_vec(), ..arm.clone() },
+            drawn: arm,
+            tips: vec![known.tips[tip]],
+            spread: spread(&known.spread),
+            geometric_spread: spread(&known.geometric_spread),
+            ranges: known.ranges.iter().zip(moves).filter(|(_, moves)| **moves).map(|(range, _)| *range).collect(),
+            ..known.clone()
+        };
+        Self::new(Everything(mean.to_tip(tip)), averages, known)
     }
 }
 

@@ -254,7 +254,7 @@ impl SavedEffects {
             drawn: Some(ReferenceRobot::of(&self.statics)),
             effects: effects.collect(),
             curves: self.curves.clone(),
-            averaged: self.averaged.as_ref().map(|averaged| WrittenAveraged::of(averaged)),
+            averaged: self.averaged.as_ref().and_then(|averaged| WrittenAveraged::of(averaged)),
         }
     }
 

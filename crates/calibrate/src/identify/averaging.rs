@@ -11,7 +11,7 @@ pub mod terms;
 use self::linearised::{Linearised, linearised};
 use self::sizes::{Sizes, fitted, problem};
 use self::terms::{Family, Terms, of_model, terms};
-use crate::effects::averaged::{Averaged, Known, Spread, mixed};
+use crate::effects::averaged::{Averaged, Known, KnownTip, Spread, mixed};
 use crate::effects::driver::{Conditions, Driver, Statics};
 use crate::effects::everything::Everything;
 use crate::effects::model::{EffectModel, Term};
@@ -54,8 +54,8 @@ const STUDENT: f64 = 4.0;
 /// Why there is no averaged prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotAveraged {
-    /// Several tips.
-    SeveralTips,
+    /// Tips touch each other or hold a tool together.
+    TipsTogether,
     /// An earlier calibration is gone on from.
     Continued,
     /// No joint moves, or no length is measured.
@@ -194,8 +194,8 @@ pub fn averaged(
     (causes, named): (&[Term], Option<Named<'_>>),
 ) -> Result<Averaging, NotAveraged> {
     let geometric = &identification.geometric;
-    if statics.tips.several() {
-        return Err(NotAveraged::SeveralTips);
+    if statics.tips.several() && data.scene.kinds().iter().any(|kind| kind.own_target().is_some()) {
+        return Err(NotAveraged::TipsTogether);
     }
     if options.earlier.is_some() {
         return Err(NotAveraged::Continued);
@@ -215,7 +215,7 @@ pub fn averaged(
     let terms = terms(&survey, &options.tolerances, &causes);
     let spread = |values: usize| {
         let rows = data.len().min((values * data.len()).div_ceil(data.values().max(1)));
-        data.evenly_spread(rows)
+        data.spread_by_posture(rows)
     };
     let averager = |terms| Averager {
         data,
@@ -415,7 +415,8 @@ impl Averager<'_> {
     /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
     fn spread(&self, gram: &Gram, columns: &[usize]) -> Spread {
         let frame = self.layout.instruments.first().copied().flatten().into_iter().flat_map(|first| first..first + 6);
-        let place = self.layout.places[0].into_iter().flat_map(|first| first..first + 3);
+        let place =
+            first_targets(self.data).filter_map(|target| self.layout.places[target]).flat_map(|first| first..first + 3);
         let numbers = columns.iter().take_while(|&&column| self.layout.effects.contains(&column)).count();
         let beside = frame.chain(place).filter_map(|column| columns.binary_search(&column).ok());
         let chosen: Vec<usize> = (0..numbers).chain(beside).collect();
@@ -446,12 +447,17 @@ impl Averager<'_> {
         let noise: Vec<DVector<f64>> = problem.noise.iter().map(DMatrix::diagonal).collect();
         let gram = problem.gram()?;
         let mut rows = Vec::new();
+        let of_lengths =
+            |value: &usize| own.channels[*value].is_some_and(|channel| self.data.scene.channels[channel].unit == "m");
         for (index, left) in gram.leave_out()?.iter().enumerate() {
-            let of_lengths =
-                |value: usize| own.channels[value].is_some_and(|channel| self.data.scene.channels[channel].unit == "m");
-            let lengths: Vec<usize> =
-                own.rows[index].clone().enumerate().filter(|(_, value)| of_lengths(*value)).map(|(k, _)| k).collect();
-            if let Some(row) = own.sources[index].filter(|_| !lengths.is_empty()) {
+            let mut first = own.rows[index].start;
+            for &(row, height) in &own.sources[index] {
+                let lengths: Vec<usize> =
+                    (first..first + height).filter(of_lengths).map(|value| value - own.rows[index].start).collect();
+                first += height;
+                if lengths.is_empty() {
+                    continue;
+                }
                 let of_prediction = |&k: &usize| (left.covariance[(k, k)] - noise[index][k]).max(0.0);
                 rows.push(LeftOut {
                     row,
@@ -485,16 +491,20 @@ impl Averager<'_> {
         };
         let (spread, geometric_spread) = (moved(spread), moved(geometric_spread));
         let drawn = Arm { instruments: Vec::new(), points: Vec::new(), ..at.arm.clone() };
-        let (base, tip) = between(&at.arm, &geometric.arm, self.data);
-        let (drawn_base, drawn_tip) = between(nominal, &geometric.arm, self.data);
-        let back = (base.inverse(), tip.inverse());
+        let (base, averaged_tips) = between(&at.arm, &geometric.arm, self.data);
+        let (drawn_base, drawn_tips) = between(nominal, &geometric.arm, self.data);
+        let base_back = base.inverse();
+        let placed = at.arm.sits_on.iter().zip(&at.arm.targets);
         let arm = Arm {
             joints: geometric.arm.joints.clone(),
-            instruments: at.arm.instruments.iter().map(|instrument| instrument * back.0).collect(),
+            instruments: at.arm.instruments.iter().map(|instrument| instrument * base_back).collect(),
             points: at.arm.points.iter().map(|point| (base * Point3::from(*point)).coords).collect(),
-            targets: at.arm.targets.iter().map(|target| back.1 * target).collect(),
+            targets: placed.map(|(tip, target)| averaged_tips[*tip].inverse() * target).collect(),
             ..geometric.arm.clone()
         };
+        let tips = first_targets(self.data).zip(averaged_tips.into_iter().zip(drawn_tips)).map(
+            |(target, (averaged, drawn))| KnownTip { averaged, drawn, target: arm.targets[target].translation.vector },
+        );
         let known = Known {
             drawn,
             geometric: Arm {
@@ -504,13 +514,11 @@ impl Averager<'_> {
                 ..geometric.arm.clone()
             },
             base,
-            tip,
-            target: arm.targets[0].translation.vector,
+            tips: tips.collect(),
             instrument,
             spread,
             geometric_spread,
             drawn_base,
-            drawn_tip,
             of_drawing: self.of_drawing(nominal),
             of_curves: at.sizes.of_curves(),
             of_geometry,
@@ -556,25 +564,35 @@ impl Averager<'_> {
     }
 }
 
-/// The base and the tip of one arm in those of another that measures the same rows: by the first instrument, or the first point, and the first
-/// target.
-fn between(from: &Arm, to: &Arm, data: &Measurements) -> (Pose, Pose) {
+/// The first target on each tip.
+fn first_targets(data: &Measurements) -> impl Iterator<Item = usize> + '_ {
+    let scene = &data.scene;
+    let tips = scene.tips().map_or(1, |tips| tips.all().len());
+    (0..tips).filter_map(|tip| (0..scene.targets.len()).find(|&target| scene.tip_of(target) == tip))
+}
+
+/// The base and the tips of one arm in those of another that measures the same rows: by the first instrument, or the first point, and the first
+/// target on each tip.
+fn between(from: &Arm, to: &Arm, data: &Measurements) -> (Pose, Vec<Pose>) {
     let by_instrument = data.scene.has_instrument(0).then(|| to.instruments[0].inverse() * from.instruments[0]);
     let by_point = || from.points.first().zip(to.points.first()).map(|(from, to)| se3::translation(to - from));
     let base = by_instrument.or_else(by_point).unwrap_or_else(Pose::identity);
-    let (target, other) = (&from.targets[0], &to.targets[0]);
-    let tip = if data.scene.turns(0) {
-        target * other.inverse()
-    } else {
-        se3::translation(target.translation.vector - other.translation.vector)
+    let tip = |target: usize| {
+        let (own, other) = (&from.targets[target], &to.targets[target]);
+        if data.scene.turns(target) {
+            own * other.inverse()
+        } else {
+            se3::translation(own.translation.vector - other.translation.vector)
+        }
     };
-    (base, tip)
+    (base, first_targets(data).map(tip).collect())
 }
 
-/// Lowest and highest reading of each coordinate.
+/// Lowest and highest reading of each coordinate, in rows whose tip it moves.
 fn ranges(data: &Measurements) -> Vec<(f64, f64)> {
     let range = |coordinate: usize| {
-        let values = (0..data.len()).map(|row| data.reading(row)[coordinate]);
+        let rows = (0..data.len()).filter(|&row| data.moves_its_tip(row, coordinate));
+        let values = rows.map(|row| data.reading(row)[coordinate]);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
     };
     (0..data.joints.len()).map(range).collect()

@@ -1,6 +1,6 @@
 //! An averaged prediction as a file has it.
 
-use crate::effects::averaged::{Averaged, Known, Spread};
+use crate::effects::averaged::{Averaged, Known, KnownTip, Spread};
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::{Effect, EffectModel, Term};
@@ -78,9 +78,10 @@ fn twist(pose: &Pose) -> [f64; 6] {
 }
 
 impl WrittenAveraged {
-    /// As it is written.
-    pub fn of(averaged: &Averaged) -> Self {
+    /// As it is written; none where it is of several tips: a file is of one, see [`EffectModel::to_tip`].
+    pub fn of(averaged: &Averaged) -> Option<Self> {
         let (known, mean) = (&averaged.known, averaged.mean());
+        let [tip] = &known.tips[..] else { return None };
         let effect = |effect: &Effect<Driver<String>>| {
             let Term { kind, carrier, driver, coupling } = &effect.term;
             let term = Term { kind: *kind, carrier: *carrier, driver: WrittenDriver::of(driver), coupling: *coupling };
@@ -88,19 +89,19 @@ impl WrittenAveraged {
         };
         let mut statics = mean.statics.clone();
         statics.chain = known.geometric.chain();
-        Self {
+        Some(Self {
             geometric: ReferenceRobot::of(&statics),
             effects: averaged.effects.iter().map(effect).collect(),
             curves: mean.curves.clone(),
             averages: averaged.averages.clone(),
             base: twist(&known.base),
-            tip: twist(&known.tip),
-            target: known.target.into(),
+            tip: twist(&tip.averaged),
+            target: tip.target.into(),
             instrument: known.instrument.as_ref().map(twist),
             spread: WrittenSpread::of(&known.spread),
             geometric_spread: WrittenSpread::of(&known.geometric_spread),
             drawn_base: twist(&known.drawn_base),
-            drawn_tip: twist(&known.drawn_tip),
+            drawn_tip: twist(&tip.drawn),
             drawn_variance_m2: known.of_drawing,
             curve_variance: known.of_curves,
             geometric_variance_m2: known.of_geometry,
@@ -109,7 +110,7 @@ impl WrittenAveraged {
             calibrated: known.calibrated,
             noise_m2: known.noise,
             ranges: known.ranges.clone(),
-        }
+        })
     }
 
     /// The prediction, nothing that it follows bound to a column yet.
@@ -167,13 +168,15 @@ impl WrittenAveraged {
             drawn: arm(&statics.chain),
             geometric: Arm { joints: geometric.joints().to_vec(), ..arm(&statics.chain) },
             base: se3::exp(&Vector6::from(self.base)),
-            tip: se3::exp(&Vector6::from(self.tip)),
-            target: Vector3::from(self.target),
+            tips: vec![KnownTip {
+                averaged: se3::exp(&Vector6::from(self.tip)),
+                drawn: se3::exp(&Vector6::from(self.drawn_tip)),
+                target: Vector3::from(self.target),
+            }],
             instrument: self.instrument.map(|twist| se3::exp(&Vector6::from(twist))),
             spread,
             geometric_spread,
             drawn_base: se3::exp(&Vector6::from(self.drawn_base)),
-            drawn_tip: se3::exp(&Vector6::from(self.drawn_tip)),
             of_drawing: self.drawn_variance_m2,
             of_curves: self.curve_variance,
             of_geometry: self.geometric_variance_m2,

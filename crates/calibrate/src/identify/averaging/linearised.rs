@@ -18,14 +18,14 @@ pub struct Linearised {
     pub columns: DMatrix<f64>,
     /// y, m and rad.
     pub data: DVector<f64>,
-    /// The values of each row of measurement; known lengths are rows of their own.
+    /// The values of each row of measurement, of rows that see several tips in one posture together; known lengths are rows of their own.
     pub rows: Vec<Range<usize>>,
     /// The noise channel of each value; `None`: its standard deviation is 1.
     pub channels: Vec<Option<usize>>,
     /// Of each row.
     pub weights: Vec<f64>,
-    /// The row of the data that each is; none where it is a known length.
-    pub sources: Vec<Option<usize>>,
+    /// Rows of the data in each, and how many values they have; none where it is a known length.
+    pub sources: Vec<Vec<(usize, usize)>>,
     /// How many columns are the model's.
     pub of_model: usize,
 }
@@ -36,7 +36,7 @@ struct Stretch {
     channels: Vec<Option<usize>>,
     heights: Vec<usize>,
     weights: Vec<f64>,
-    sources: Vec<Option<usize>>,
+    sources: Vec<usize>,
 }
 
 /// Linearises these rows. `observed`: weight of each observation, 0 to leave it out; `weights`: of each row.
@@ -78,7 +78,7 @@ pub fn linearised(
             if found.residual.len() > before {
                 found.heights.push(found.residual.len() - before);
                 found.weights.push(weights[row]);
-                found.sources.push(Some(row));
+                found.sources.push(row);
             }
         }
         found
@@ -103,11 +103,22 @@ pub fn linearised(
             cells.iter().enumerate().for_each(|(column, cell)| result.columns[(from + k, column)] = -cell);
         }
         result.channels.extend(stretch.channels);
-        result.weights.extend(stretch.weights);
-        result.sources.extend(stretch.sources);
-        for height in stretch.heights {
-            result.rows.push(from..from + height);
-            from += height;
+        for ((height, weight), source) in stretch.heights.into_iter().zip(stretch.weights).zip(stretch.sources) {
+            let values = from..from + height;
+            from = values.end;
+            let together = |of: &Vec<(usize, usize)>| {
+                of.first().is_some_and(|(row, _)| data.same_posture_of_other_tip(*row, source))
+            };
+            if let Some(of) = result.sources.last_mut().filter(|of| together(of)) {
+                of.push((source, height));
+                let last = result.rows.len() - 1;
+                result.rows[last].end = values.end;
+                result.weights[last] += (weight - result.weights[last]) / of.len() as f64;
+            } else {
+                result.rows.push(values);
+                result.weights.push(weight);
+                result.sources.push(vec![(source, height)]);
+            }
         }
     }
     for known in known {
@@ -116,7 +127,7 @@ pub fn linearised(
         result.rows.push(from..from + 1);
         result.channels.push(None);
         result.weights.push(1.0);
-        result.sources.push(None);
+        result.sources.push(Vec::new());
         from += 1;
     }
     let numbers = DVector::from_vec(model.numbers());

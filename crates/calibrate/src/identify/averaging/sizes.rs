@@ -485,8 +485,8 @@ impl Sizes {
 fn waves(rows: &Linearised, terms: &Terms, curve: &Curve, data: &Measurements) -> DMatrix<f64> {
     let joint = &terms.model.0.statics.chain.joints()[curve.joint];
     let mut all = DMatrix::zeros(curve.waves.len(), rows.rows.len());
-    for (row, source) in rows.sources.iter().enumerate() {
-        if let Some(source) = source {
+    for (row, sources) in rows.sources.iter().enumerate() {
+        if let Some((source, _)) = sources.first() {
             let values = curve.waves.values(joint.value(data.reading(*source)));
             values.into_iter().enumerate().for_each(|(k, value)| all[(k, row)] = value);
         }
@@ -513,7 +513,7 @@ impl Linearised {
                     data: DVector::from_fn(values.len(), |k, _| self.data[values[k]]),
                     channels: values.iter().map(|&value| self.channels[value]).collect(),
                     weights: rows.iter().map(|&row| self.weights[row]).collect(),
-                    sources: rows.iter().map(|&row| self.sources[row]).collect(),
+                    sources: rows.iter().map(|&row| self.sources[row].clone()).collect(),
                     of_model: self.of_model,
                 }
             })

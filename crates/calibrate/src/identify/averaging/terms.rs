@@ -227,14 +227,20 @@ impl Builder<'_> {
 /// Errors of links and zeros; returns the coefficient of each joint's zero.
 fn geometry(b: &mut Builder<'_>, n: usize, tolerances: &Tolerances) -> Vec<usize> {
     let (turn, shift) = ((Family::Geometry, tolerances.turn), (Family::Geometry, tolerances.shift));
-    for i in 0..n.saturating_sub(1) {
-        b.add(
-            Kind::Geometry,
-            Carrier::LinkEnd(i),
-            Driver::Constant,
-            Coupling::Each,
-            &[turn, turn, turn, shift, shift, shift],
-        );
+    let statics = b.statics;
+    let mut add = |carrier, of: &[_]| b.add(Kind::Geometry, carrier, Driver::Constant, Coupling::Each, of);
+    for link in std::iter::once(None).chain((0..n).map(Some)) {
+        let carried: Vec<usize> = (0..n).filter(|&joint| statics.carrier(joint) == link).collect();
+        if let (Some(i), 1) = (link, carried.len()) {
+            add(Carrier::LinkEnd(i), &[turn, turn, turn, shift, shift, shift]);
+        }
+        let several = carried.len() > 1;
+        // Of several, each is mounted for itself; a turn about its axis is its zero. What one stands on, or a target, is placed by the rows.
+        for joint in carried.into_iter().filter(|_| several) {
+            add(Carrier::AxisBasis(joint), &[turn]);
+            add(Carrier::Sideways(joint), &[shift]);
+            add(Carrier::Along(joint), &[shift]);
+        }
     }
     let zero = |b: &Builder<'_>, i| if b.survey.slides(i) { tolerances.zero_slide } else { tolerances.zero_turn };
     (0..n)
@@ -281,8 +287,8 @@ fn of_joint(b: &mut Builder<'_>, i: usize, moving: &[usize], moment: f64) {
             b.each(Kind::AxisWobble, Carrier::Sideways(i), driver, Family::Wobble, 1.0);
         }
     }
-    for j in [i.wrapping_sub(1), i + 1] {
-        if moving.contains(&j) {
+    for &j in moving {
+        if statics.carrier(i) == Some(j) || statics.carrier(j) == Some(i) {
             b.each(Kind::JointCoupling, Carrier::Joint(i), Driver::Reading(j), Family::Coupling, turn(j));
         }
     }

@@ -62,6 +62,21 @@ impl Measurements {
         Postures { rows, ends }
     }
 
+    /// Whether two rows see two tips of the robot in one posture.
+    pub(crate) fn same_posture_of_other_tip(&self, row: usize, other: usize) -> bool {
+        let near = || self.reading(row).iter().zip(self.reading(other)).all(|(a, b)| (a - b).abs() <= SAME_POSTURE);
+        self.tip_of(row) != self.tip_of(other) && near()
+    }
+
+    /// Indices of about this many rows, at most all, spread evenly over the run; those that see several tips in one posture go together.
+    pub(crate) fn spread_by_posture(&self, count: usize) -> Vec<usize> {
+        let begins = |row: &usize| *row == 0 || !self.same_posture_of_other_tip(*row - 1, *row);
+        let firsts: Vec<usize> = (0..self.len()).filter(begins).chain([self.len()]).collect();
+        let all = firsts.len() - 1;
+        let wanted = (all * count).div_ceil(self.len().max(1));
+        (0..wanted).map(|k| k * all / wanted).flat_map(|k| firsts[k]..firsts[k + 1]).collect()
+    }
+
     /// For each row the first row that took the same posture: readings that agree to half a milliradian and half a millimetre.
     ///
     /// Rows of one posture share what the model misses there, so they are never split between rows that are fitted and rows that judge.

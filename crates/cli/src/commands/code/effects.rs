@@ -238,7 +238,7 @@ fn driver(statics: &Statics, driver: &Driver<Input>) -> code::Driver {
 }
 
 fn blended(averaged: &Averaged) -> code::Averaged {
-    let known = &averaged.known;
+    let (known, tip) = (&averaged.known, &averaged.known.tips[0]);
     let spread = |spread: &denavit_calibrate::effects::averaged::Spread| code::Spread {
         kept: spread.kept.clone(),
         covariance: spread.covariance.clone(),
@@ -246,9 +246,9 @@ fn blended(averaged: &Averaged) -> code::Averaged {
     code::Averaged {
         geometric: known.geometric.joints.clone(),
         home: known.geometric.tips[0].home,
-        placed: [known.base, known.tip],
-        drawn: [known.drawn_base, known.drawn_tip],
-        target: known.target,
+        placed: [known.base, tip.averaged],
+        drawn: [known.drawn_base, tip.drawn],
+        target: tip.target,
         instrument: known.instrument,
         spreads: [spread(&known.spread), spread(&known.geometric_spread)],
         of_curves: known.of_curves,
