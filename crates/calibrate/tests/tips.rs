@@ -14,7 +14,9 @@ use denavit_calibrate::observation::arm::{Perturbation, RowState};
 use denavit_calibrate::observation::gauge;
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Measurements, RecordedRow, Units, read, read_export, write};
+use denavit_calibrate::observation::measurements::{
+    Measurements, MissingColumn, RecordedRow, Units, read, read_export, write,
+};
 use denavit_calibrate::observation::parameters::Effects as _;
 use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
@@ -467,6 +469,66 @@ fn compliance_of_one_arm_is_found_at_its_joint() {
         let value = &result.trace.as_ref().unwrap().findings[0].values[0];
         assert!((value.value - truth).abs() < 4.5 * value.std.unwrap(), "{} {truth}", value.value);
         assert!(!result.report.unexplained.structured);
+    }
+}
+
+/// Two arms with compliances in torso and shoulder, the same postures seen by both hands: rows to fit and to judge by.
+fn soft_arms(rows: usize) -> (Chain, Statics, Measurements, Measurements) {
+    let (chain, tips, statics) = weighed(TWO_ARMS);
+    let asked = SimulationOptions { kind: POSITION, ..options(&tips, rows + 200, 17) };
+    let bare = simulate(&chain, &asked, &NoEffects);
+    let soft = [
+        "axis_wobble@torso_turn=0.3mm",
+        "joint_compliance@left_shoulder_lift=0.4mm",
+        "transmission_error@right_elbow=0.2mm",
+    ];
+    let soft: Vec<EffectSpecification> = soft.iter().map(|text| text.parse().unwrap()).collect();
+    let model = specified_effects(&soft, &statics, &bare, 1).unwrap();
+    let data = simulate(&chain, &asked, &model).data;
+    let all: Vec<usize> = (0..data.len()).collect();
+    (chain, statics, data.subset(&all[..rows]), data.subset(&all[rows..]))
+}
+
+#[test]
+fn both_hands_are_predicted_better_by_everything_averaged_than_by_geometry_alone() {
+    for rows in [30, 120] {
+        let (chain, statics, train, test) = soft_arms(rows);
+        let options = CalibrateOptions { average: true, ..CalibrateOptions::geometry(&chain) };
+        let result = calibrate(&chain, &statics, train, Some(test), &options).unwrap();
+        let error = |stage: usize| result.report.stages[stage].test.as_ref().unwrap().of("position").unwrap().rms;
+        println!("{rows} rows: geometric {:.6}, averaged {:.6}", error(1), error(2));
+        assert_eq!(result.report.stages[2].name, "averaged");
+        assert!(error(2) < if rows > 100 { 0.6 } else { 1.0 } * error(1), "{rows}: {} {}", error(1), error(2));
+    }
+}
+
+#[test]
+fn what_is_averaged_for_one_tip_predicts_as_it_does_among_those_of_all_in_a_file_too() {
+    let (chain, statics, train, _) = soft_arms(120);
+    let options = CalibrateOptions { average: true, ..CalibrateOptions::geometry(&chain) };
+    let result = calibrate(&chain, &statics, train, None, &options).unwrap();
+    let (model, arm, tips) = (result.effects(&statics), result.arm(), &statics.tips);
+    assert!(model.averaged.is_some());
+    for (index, tip) in tips.all().iter().enumerate() {
+        // The other arm hangs as at home; once inside of what was measured, once outside.
+        for size in [0.3, 3.0] {
+            let q: Vec<f64> = tip.coordinates.iter().map(|own| if *own { size } else { 0.0 }).collect();
+            let own: Vec<f64> = q.iter().zip(&tip.coordinates).filter(|(_, own)| **own).map(|(q, _)| *q).collect();
+            let conditions = |reading| Conditions { reading, recorded: RecordedRow::nothing(), tip: 0 };
+            let mut perturbation = Perturbation::none(chain.joints().len());
+            model.add_perturbation(&Conditions { tip: index, ..conditions(&q) }, &arm.joints, &mut perturbation);
+            let mut state = RowState::default();
+            arm.state_into(&q, index, Some(&perturbation), &mut state);
+            let alone = model.to_tip(index);
+            let saved = SavedEffects::from_json("effects.json", &alone.to_json(), &alone.statics).unwrap();
+            let absent = |name: &str| Err(MissingColumn::Absent { file: "none".into(), column: name.into() });
+            for model in [&alone, &saved.bound(&absent).unwrap()] {
+                let (turned, moved) = se3::difference(&model.fk(&arm.chain_to(index), &conditions(&own)), &state.tip);
+                assert!(turned < 1e-9 && moved < 1e-9, "{} at {size}: {turned} {moved}", tip.name);
+            }
+            let plain = arm.chain_to(index).fk(&own);
+            assert!((plain.translation.vector - state.tip.translation.vector).norm() > 1e-6);
+        }
     }
 }
 

@@ -321,7 +321,7 @@ fn tips(report: &CalibrationReport, scene: &Scene) -> String {
         return String::new();
     }
     let of_tip = |tip: &TipEntry| Stage {
-        name: format!("{} ({} rows, {} held out)", tip.tip, tip.fitted, tip.held_out),
+        name: format!("{}, {} rows, {} held out", tip.tip, tip.fitted, tip.held_out),
         train: tip.train.clone(),
         test: tip.test.clone(),
         train_lengths: Vec::new(),
