@@ -32,10 +32,10 @@ const SHIFTS: [f64; 3] = [0.613, -0.377, 0.841];
 const TURNS: [f64; 2] = [TAU / 3.0, -TAU / 3.0];
 
 /// Eigenvalues lose as many digits as the quadratic part's pivots span: three of sixteen are no loss.
-const REGULAR: f64 = 1e-3;
+pub(crate) const REGULAR: f64 = 1e-3;
 
-/// The same where the equations are dependent to rounding: errors grow with its square, to 1e-6 rad here.
-const INDEPENDENT: f64 = 1e-5;
+/// The same where the equations are dependent to rounding.
+pub(crate) const INDEPENDENT: f64 = 1e-5;
 
 /// Sixteen eigenvalues, with two values of joint 2 each.
 const MOST: usize = 32;
@@ -51,6 +51,17 @@ pub(crate) struct Elimination {
     /// For each of 1, cos, sin of joint 3: the fourteen equations' coefficients of the products of joints 4 and 5.
     left: [SMatrix<f64, 14, 9>; 3],
     order: Order,
+}
+
+/// What an elimination says of a pose.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidates {
+    /// Joint values, rad.
+    pub joints: Few<[f64; 6], MOST>,
+    /// Real eigenvalues, of which each is a solution; [`MOST`] where there are no eigenvalues.
+    pub real: usize,
+    /// The last pivot of the quadratic part as a share of the first: near 0 where the equations are dependent.
+    pub regular: f64,
 }
 
 /// The fifteen numbers of a point and a direction.
@@ -182,15 +193,14 @@ impl Elimination {
         Self { left, order, arm: scaled }
     }
 
-    /// Candidates for all real solutions, joint values in rad, and how many solutions there are: as many as real eigenvalues;
-    /// [`MOST`] where the equations are dependent and the eigenvalues tell nothing.
-    pub fn solve(&self, target: &Pose, size: f64) -> (Few<[f64; 6], MOST>, usize) {
-        let mut found = Few::new([0.0; 6]);
+    /// Candidates for all real solutions of a pose.
+    pub fn solve(&self, target: &Pose, size: f64) -> Candidates {
+        let mut found = Candidates { joints: Few::new([0.0; 6]), real: MOST, regular: 0.0 };
         let mut moved = *target;
         moved.translation.vector /= size;
         let (axes, moved) = self.order.seen(&self.arm.axes, &(moved * self.arm.home.inverse()));
         let pencil = self.pencil(&axes, &moved);
-        let Some(eigenvalues) = pencil.eigenvalues() else { return (found, MOST) };
+        let Some(eigenvalues) = pencil.eigenvalues() else { return found };
         for eigenvalue in eigenvalues.iter() {
             let t = eigenvalue.re;
             if eigenvalue.im.abs() > NEARLY_REAL * (1.0 + t.abs()) || eigenvalue.im < 0.0 {
@@ -201,11 +211,12 @@ impl Elimination {
             let v4 = 2.0 * x.atan() - SHIFTS[1];
             let v5 = 2.0 * y.atan() - SHIFTS[2];
             others(&axes, &moved, [v3, v4, v5], |v1, v2, v6| {
-                found.push(self.order.restored([v1, v2, v3, v4, v5, v6]));
+                found.joints.push(self.order.restored([v1, v2, v3, v4, v5, v6]));
             });
         }
-        let real = eigenvalues.iter().filter(|eigenvalue| eigenvalue.im == 0.0).count();
-        (found, if pencil.regular > INDEPENDENT { real } else { MOST })
+        found.real = eigenvalues.iter().filter(|eigenvalue| eigenvalue.im == 0.0).count();
+        found.regular = pencil.regular;
+        found
     }
 
     /// With joint 3 counted from the first zero without a solution near t = ∞, or from that farthest from one.
