@@ -31,8 +31,8 @@ const ACCURATE: f64 = 1e-3;
 const NEAR: [(f64, usize); 4] = [(1e-4, 0), (-1e-4, 0), (3e-4, 1), (-3e-4, 1)];
 
 /// Pivots of the Jacobian (rad and shares of the size) below which a calibrated arm may have branches that the drawn one has not: ten of
-/// 10 000 poses of a UR10 had some beside all eight, at pivots up to 0.011.
-const NEAR_SINGULAR: f64 = 0.02;
+/// 10 000 poses of a UR10 had some beside all eight, at pivots up to 0.011, one of 100 000 above 0.021.
+const NEAR_SINGULAR: f64 = 0.025;
 
 /// Branches of a class.
 const MOST: u32 = 8;
@@ -153,14 +153,14 @@ impl Six {
     /// Adds what elimination finds to the solutions that are `known`; `add` tells whether a solution is new.
     fn eliminate(&self, target: &Pose, size: f64, known: usize, mut add: impl FnMut(&[f64; 6], &Landed) -> bool) {
         let Some(Eliminations { own, near, dependent }) = &self.general else { return };
-        // How many are new, and how far the farthest solution lies from where its candidate was.
+        // How many are new, and how far the farthest solution lies from where its candidate was; `None` without solutions.
         let mut refined = |candidates: &Candidates| {
-            let (mut new, mut farthest) = (0, 0.0f64);
+            let (mut new, mut farthest) = (0, None::<f64>);
             for values in candidates.joints.as_slice() {
                 let mut there = values.map(Angle::at);
                 if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
                     new += usize::from(add(&values_of(&there), &landed));
-                    farthest = farthest.max(apart(&values_of(&there), values));
+                    farthest = Some(farthest.unwrap_or(0.0).max(apart(&values_of(&there), values)));
                 }
             }
             (new, farthest)
@@ -168,8 +168,8 @@ impl Six {
         let candidates = own.solve(target, size);
         let (new, farthest) = refined(&candidates);
         let found = known + new;
-        let accurate =
-            candidates.regular > REGULAR || (candidates.regular > INDEPENDENT && new > 0 && farthest < ACCURATE);
+        let near_enough = farthest.is_some_and(|farthest| farthest < ACCURATE);
+        let accurate = candidates.regular > REGULAR || (candidates.regular > INDEPENDENT && near_enough);
         // Each real eigenvalue is a solution, and solutions come in pairs: if some are missing, the equations are nearly dependent.
         if *dependent || !accurate || found < candidates.real || found % 2 == 1 {
             for near in near {

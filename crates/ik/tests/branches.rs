@@ -326,6 +326,25 @@ fn postures_of_a_nearly_vertical_tool_axis_are_found() {
     }
 }
 
+/// A UR10 as its maker calibrated it: the pose of this posture has two solutions beside one for each of the eight branches, of which none
+/// is near a singularity.
+#[test]
+fn solutions_beside_all_eight_branches_are_found() {
+    let chain = arm(
+        &[
+            ([0., 0., 1.], [0., 0., 0.]),
+            ([-0.000072901, -0.999999975, -0.000211988], [0.000046309, -0.000027129, 0.127956086]),
+            ([0.000051443, -0.999975202, 0.007042251], [-0.612169092, 0.000869684, 0.127964016]),
+            ([0.000781993, -0.999789459, 0.020504288], [-1.183449465, 0.001697365, 0.127897956]),
+            ([0.000073388, -0.01915492, -0.999816525], [-1.183211612, -0.166015813, 0.003093754]),
+            ([0.00078185, -0.999791228, 0.02041786], [-1.183337428, -0.000675166, 0.012252414]),
+        ],
+        [-1.183136215, -0.257975567, 0.017507034],
+    );
+    assert_eq!(class(&chain), Class::ParallelShoulder);
+    assert!(is_found(&chain, &[-2.358464058, 2.526700474, -2.210987975, 1.847963256, 0.001926616, -1.665934085]));
+}
+
 /// Round angles make the equations of such an arm dependent: those of arms near it are solved.
 #[test]
 fn an_arm_whose_wrist_has_an_offset_loses_at_most_one_branch_in_two_hundred() {
