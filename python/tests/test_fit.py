@@ -58,7 +58,7 @@ def test_a_mass_is_for_a_description_without_masses(drawn: dn.Chain) -> None:
     # The heavier the links are, the stiffer a joint is that gives as much.
     assert 0.4 < compliance(40.0) / compliance(20.0) < 0.7
     assert compliance(None) > 0
-    with pytest.raises(dn.DenavitError, match="mass=.*has masses"):
+    with pytest.raises(dn.DenavitError, match="has masses"):
         dn.calibrate(drawn, tracker(), effects=["joint_compliance"], mass=20.6)
     for wrong in (0.0, -1.0, float("nan"), "heavy"):
         with pytest.raises(dn.ArgumentError, match="mass"):
