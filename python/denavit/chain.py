@@ -29,8 +29,8 @@ JointValues = ArrayLike | Mapping[str, Any]
 """Joint values: an array whose last axis is the coordinates in order, or values by joint name (a mapping, a data frame)."""
 
 _MOST_THREADS = 4096
-_NO_ROTATION = 5e-3
 _MOST_ROWS = 10**9
+_BRANCHES = np.array(_denavit.branch_names(), dtype=np.object_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +64,7 @@ def pose_matrices(name: str, poses: ArrayLike) -> Array:
         raise ArgumentError(f"{name} is no array of numbers ({error})") from error
     if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
         raise ArgumentError(f"{name} has shape {matrices.shape}; give homogeneous matrices, shape (..., 4, 4)")
-    if not np.isfinite(matrices).all():
-        raise ArgumentError(f"{name} has a number that is not finite")
-    rotation = matrices[..., :3, :3]
-    skewed = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)).max(initial=0.0)
-    if skewed > _NO_ROTATION or (np.linalg.det(rotation) < 0).any():
-        what = "the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles"
-        raise ArgumentError(what)
+    _denavit.check_poses(name, matrices.reshape(-1, 16))
     return matrices
 
 
@@ -268,21 +262,24 @@ class Chain(Shown, Frozen):
             ((8, 6), True)
         """
         matrices = pose_matrices("poses", poses)
-        n = len(self.joints)
-        near = np.zeros(n) if q0 is None else np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
-        if near.shape != (n,) or not np.isfinite(near).all():
-            raise ArgumentError(f"q0 has shape {near.shape}; give one finite value for each of the {n} joints")
+        near = None if q0 is None else self._one(q0)
         leading = matrices.shape[:-2]
-        values, codes, within, reached, names, method = self._native.ik(matrices.reshape(-1, 16), near.tolist())
-        most = len(codes) // max(len(reached), 1)
-        mask = within.reshape(len(reached), most) & reached[:, None]
+        values, codes, mask, reached, method = self._native.ik(matrices.reshape(-1, 16), near)
         return Solutions(
-            q=values.reshape(*leading, most, n),
-            mask=mask.reshape(*leading, most),
+            q=values.reshape(leading + values.shape[1:]),
+            mask=mask.reshape(leading + mask.shape[1:]),
             reached=reached.reshape(leading),
-            names=np.array(names, dtype=np.object_)[codes].reshape(*leading, most),
+            names=_BRANCHES[codes].reshape(leading + codes.shape[1:]),
             method=method,
         )
+
+    def _one(self, q0: JointValues) -> list[float]:
+        """Joint values of one configuration, or what is wrong with them."""
+        n = len(self.joints)
+        values = np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
+        if values.shape != (n,) or not np.isfinite(values).all():
+            raise ArgumentError(f"q0 has shape {values.shape}; give one finite value for each of the {n} joints")
+        return values.tolist()
 
     def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
         """Where the tip's origin is in the base frame, m, shape ``(..., 3)``; quicker than `fk`, and as exact."""

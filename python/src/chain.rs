@@ -2,6 +2,7 @@
 
 use crate::arrays::{self, Configurations, FEW, result};
 use crate::errors::{argument, load, said};
+use crate::poses::pose;
 use crate::robot::{convention, reading};
 use crate::table::Table;
 use denavit_calibrate::apply::simulate;
@@ -10,24 +11,22 @@ use denavit_export::{Units, poe};
 use denavit_ik::{Branch, Solutions, Solver};
 use denavit_load::{Loaded, Selection, TableOptions};
 use denavit_model::chain::Quantity;
-use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
-use denavit_model::{CompiledChain, JacobianFrame, Note, Noted, se3};
-use numpy::{PyArray1, PyArrayDyn};
+use denavit_model::{CompiledChain, JacobianFrame, Note, Noted};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Name, `angle` or `length`, lower and upper limit, velocity, effort, continuous.
 type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f64>, Option<f64>, bool);
 
 /// Solutions of inverse kinematics for each pose, as many as the pose with the most has: joint values (NaN where there are fewer), branches by their
-/// place among the names, whether within limits; for each pose whether it is reached; names, the last of them none; the method.
+/// place among [`branch_names`], whether they reach the pose within limits; for each pose whether it is reached; the method.
 type Branches<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<i8>>,
+    Bound<'py, PyArray3<f64>>,
+    Bound<'py, PyArray2<i8>>,
+    Bound<'py, PyArray2<bool>>,
     Bound<'py, PyArray1<bool>>,
-    Bound<'py, PyArray1<bool>>,
-    Vec<Option<String>>,
     String,
 );
 
@@ -41,8 +40,9 @@ fn code(branch: Option<Branch>) -> i8 {
     })
 }
 
-/// Names of branches in the order of their places.
-fn branch_names() -> Vec<Option<String>> {
+/// Names of branches in the order of their places; the last is none.
+#[pyfunction]
+pub fn branch_names() -> Vec<Option<String>> {
     let named = |code: u8| Branch { front: code & 1 != 0, elbow_up: code & 2 != 0, flipped: code & 4 != 0 };
     (0..8).map(|code| Some(named(code).to_string())).chain([None]).collect()
 }
@@ -57,13 +57,15 @@ pub struct Chain {
     pub notes: Vec<Note>,
     pub exact: bool,
     compiled: CompiledChain,
+    /// Made where it is first asked for: a general arm's costs as much as some hundred poses.
+    solver: OnceLock<Solver>,
 }
 
 impl Chain {
     pub fn new(loaded: Arc<Loaded>, file: Arc<str>, noted: Noted<denavit_model::Chain>, exact: bool) -> Self {
         let Noted { value: chain, notes } = noted;
         let compiled = CompiledChain::new(&chain);
-        Self { loaded, file, chain, notes, exact, compiled }
+        Self { loaded, file, chain, notes, exact, compiled, solver: OnceLock::new() }
     }
 
     fn selection(&self) -> Selection<'_> {
@@ -213,20 +215,17 @@ impl Chain {
     }
 
     /// Joint values that reach poses, one after the other; the next pose is sought next to the solution of the one before.
-    fn ik<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>, near: Vec<f64>) -> PyResult<Branches<'py>> {
+    fn ik<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>, near: Option<Vec<f64>>) -> PyResult<Branches<'py>> {
         let poses = Configurations::of(poses, 16)?;
         let (matrices, count) = (poses.values()?.as_chunks::<16>().0, poses.count());
         let n = self.compiled.coordinates();
-        let solver = Solver::new(&self.chain);
+        let solver = self.solver.get_or_init(|| Solver::new(&self.chain));
         let (mut joints, mut codes, mut within) = (Vec::new(), Vec::new(), Vec::new());
         let (mut counts, mut reached) = (Vec::with_capacity(count), Vec::with_capacity(count));
         worked(py, count, || {
-            let (mut solutions, mut from) = (Solutions::default(), near);
+            let (mut solutions, mut from) = (Solutions::default(), near.unwrap_or_else(|| vec![0.0; n]));
             for matrix in matrices {
-                let rotation = Matrix3::from_fn(|row, column| matrix[4 * row + column]);
-                let rotation = Rotation3::from_matrix_unchecked(rotation);
-                let place = Vector3::new(matrix[3], matrix[7], matrix[11]);
-                solver.solve_into(&se3::pose(se3::orthonormalised(&rotation), place), &from, &mut solutions);
+                solver.solve_into(&pose(matrix), &from, &mut solutions);
                 if let Some((joints, _)) = solutions.iter().next().filter(|_| solutions.reached()) {
                     from.copy_from_slice(joints);
                 }
@@ -234,7 +233,7 @@ impl Chain {
                 for (found, of) in solutions.iter() {
                     joints.extend_from_slice(found);
                     codes.push(code(of.branch));
-                    within.push(of.within_limits);
+                    within.push(of.within_limits && solutions.reached());
                 }
                 counts.push(codes.len() - before);
                 reached.push(solutions.reached());
@@ -246,11 +245,10 @@ impl Chain {
         let within = padded(within, &counts, most, 1, false);
         let method = solver.method().to_string();
         Ok((
-            PyArray1::from_vec(py, joints),
-            PyArray1::from_vec(py, codes),
-            PyArray1::from_vec(py, within),
+            PyArray1::from_vec(py, joints).reshape([count, most, n])?,
+            PyArray1::from_vec(py, codes).reshape([count, most])?,
+            PyArray1::from_vec(py, within).reshape([count, most])?,
             PyArray1::from_vec(py, reached),
-            branch_names(),
             method,
         ))
     }

@@ -3,10 +3,9 @@
 use crate::arrays::Configurations;
 use crate::chain::worked;
 use crate::errors::argument;
+use crate::poses::pose;
 use denavit_hand_eye::report::{self, Lines};
 use denavit_hand_eye::{Arrangement, Pair, solve};
-use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
-use denavit_model::{Pose, se3};
 use pyo3::prelude::*;
 
 /// Text and JSON of both placements, from homogeneous matrices, row by row.
@@ -18,8 +17,9 @@ pub fn hand_eye(
     on_hand: bool,
 ) -> PyResult<(String, String)> {
     let (robot, seen) = (Configurations::of(robot, 16)?, Configurations::of(seen, 16)?);
+    let (robot, seen) = (robot.values()?.as_chunks::<16>().0, seen.values()?.as_chunks::<16>().0);
     let pairs: Vec<Pair> =
-        std::iter::zip(poses(&robot)?, poses(&seen)?).map(|(robot, seen)| Pair { robot, seen }).collect();
+        std::iter::zip(robot, seen).map(|(robot, seen)| Pair { robot: pose(robot), seen: pose(seen) }).collect();
     let arrangement = if on_hand { Arrangement::InstrumentOnHand } else { Arrangement::InstrumentStands };
     let mut found = None;
     worked(py, pairs.len(), || found = Some(solve(&pairs, arrangement)));
@@ -27,12 +27,4 @@ pub fn hand_eye(
     let rows: Vec<usize> = (0..pairs.len()).collect();
     let lines = Lines { rows: &rows, unseen: &[] };
     Ok((report::text(&found, lines), report::json(&found, lines)))
-}
-
-fn poses(matrices: &Configurations<'_>) -> PyResult<Vec<Pose>> {
-    let pose = |m: &[f64; 16]| {
-        let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|row, column| m[4 * row + column]));
-        se3::pose(se3::orthonormalised(&rotation), Vector3::new(m[3], m[7], m[11]))
-    };
-    Ok(matrices.values()?.as_chunks::<16>().0.iter().map(pose).collect())
 }

@@ -13,6 +13,7 @@ mod given_file;
 mod hand_eye;
 mod interruptible;
 mod measured;
+mod poses;
 mod robot;
 mod run;
 mod table;
@@ -23,7 +24,7 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 mod _denavit {
     #[pymodule_export]
-    use crate::chain::Chain;
+    use crate::chain::{Chain, branch_names};
     #[pymodule_export]
     use crate::compare::{Comparison, Findings, check, compare, fingerprint, fingerprint_matches};
     #[pymodule_export]
@@ -38,6 +39,8 @@ mod _denavit {
     use crate::hand_eye::hand_eye;
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
+    #[pymodule_export]
+    use crate::poses::check_poses;
     #[pymodule_export]
     use crate::robot::{Robot, quaternion, read_text, rpy};
     #[pymodule_export]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -44,6 +45,24 @@ def geometric(drawn: dn.Chain) -> dn.Fit:
 @pytest.fixture(scope="module")
 def traced(drawn: dn.Chain) -> dn.Fit:
     return dn.calibrate(drawn, tracker(), test=later())
+
+
+def test_a_mass_is_for_a_description_without_masses(drawn: dn.Chain) -> None:
+    drawing = (TOP / "robots/universal_robots/ur5e.urdf").read_text(encoding="utf-8")
+    bare = dn.load(re.sub("<inertial>.*?</inertial>", "", drawing, flags=re.DOTALL)).chain("base", "tool0")
+
+    def compliance(mass: float | None) -> float:
+        (effect,) = dn.calibrate(bare, tracker(), effects=["joint_compliance"], mass=mass).effects
+        return effect.value
+
+    # The heavier the links are, the stiffer a joint is that gives as much.
+    assert 0.4 < compliance(40.0) / compliance(20.0) < 0.7
+    assert compliance(None) > 0
+    with pytest.raises(dn.DenavitError, match="has masses"):
+        dn.calibrate(drawn, tracker(), effects=["joint_compliance"], mass=20.6)
+    for wrong in (0.0, -1.0, float("nan"), "heavy"):
+        with pytest.raises(dn.ArgumentError, match="mass"):
+            dn.calibrate(bare, tracker(), mass=wrong)
 
 
 def test_a_fit_says_what_the_command_says(geometric: dn.Fit) -> None:

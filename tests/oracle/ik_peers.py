@@ -7,9 +7,9 @@
 Arms: makers' URDF, three factory-calibrated arms of Universal Robots (../shared/vendor), random axes. A solution counts if it
 reaches the pose within 1e-6 (rad, share of the size); columns of solutions are means per pose. `lost` counts postures that are not among
 the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: processor time of one
-thread per pose, all branches: ours in a loop, EAIK's batch call, which makes a Python object per pose, ssik's Python call.
-`none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
-Packages: numpy, pin, EAIK, ssik.
+thread per pose, all branches: ours in a loop of Rust; `chain.ik` of our Python package, EAIK's batch call, which makes a Python object
+per pose, and ssik's Python call. `one` is the same with one pose a call (ssik has no batch). `none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
+Packages: numpy, pin, EAIK, ssik, denavit (a release build of python/).
 """
 
 import argparse
@@ -34,6 +34,8 @@ TIMES = 3
 MORE = 4
 # Where one pass takes longer (s of processor time), it is passed over once more and not TIMES by MORE.
 LONG = 0.5
+# Poses that are solved one a call.
+ONES = 1000
 # Processor time of a peer on one arm, s.
 PATIENCE = 20
 IDEAL = {
@@ -180,9 +182,39 @@ def eaik(arm, rotations, places):
         begun = time.process_time()
         found = robot.IK_batched(targets, 1)
         spent.append(time.process_time() - begun)
-    micros = min(spent) / len(targets) * 1e6
+    micros = min(spent) / len(targets) * 1e6, micros_of_one(robot.IK, targets)
     pairs = [(at, q) for at, one in enumerate(found) for q in np.atleast_2d(one.Q) if q.size]
     return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs]).reshape(-1, 6), micros
+
+
+def micros_of_one(solve, targets):
+    """µs a pose with one pose a call: of the first ones, the quickest pass."""
+    few = [np.ascontiguousarray(target) for target in targets[:ONES]]
+    spent = []
+    for _ in range(TIMES):
+        begun = time.process_time()
+        for target in few:
+            solve(target)
+        spent.append(time.process_time() - begun)
+    return min(spent) / len(few) * 1e6
+
+
+def in_python(arm, rotations, places, folder):
+    """Solutions (index, joints) and µs a pose of `chain.ik`, all poses in a call and one a call."""
+    import denavit
+
+    (folder / "arm.urdf").write_text(arm.urdf())
+    chain = denavit.load(str(folder / "arm.urdf")).chain("base", "tip")
+    targets = np.tile(np.eye(4), (len(places), 1, 1))
+    targets[:, :3, :3], targets[:, :3, 3] = rotations, places
+    chain.ik(targets[0])
+    spent = []
+    for _ in range(TIMES):
+        begun = time.process_time()
+        found = chain.ik(targets)
+        spent.append(time.process_time() - begun)
+    there = np.isfinite(found.q[..., 0]) & found.reached[:, None]
+    return np.nonzero(there)[0], found.q[there], (min(spent) / len(targets) * 1e6, micros_of_one(chain.ik, targets))
 
 
 def ours(arm, q, program, folder):
@@ -215,7 +247,7 @@ def ssik(arm, rotations, places, folder):
     robot.solve(targets[0])
     begun = time.process_time()
     found = [robot.solve(target) for target in targets]
-    micros = (time.process_time() - begun) / len(targets) * 1e6
+    micros = (time.process_time() - begun) / len(targets) * 1e6, None
     pairs = [(at, one.q) for at, all_ in enumerate(found) for one in all_]
     return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs], float).reshape(-1, 6), micros
 
@@ -278,8 +310,9 @@ def main():
     parser.add_argument("arms", nargs="*", help="words that names of arms hold; all where none is given")
     options = parser.parse_args()
     program = options.target / "examples/peers"
-    print("| arm | method | solutions | µs | lost | EAIK: solutions | µs | we miss | it misses | ssik: solutions | µs | we miss | it misses |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+    of_peer = "solutions | µs | one | we miss | it misses |"
+    print(f"| arm | method | solutions | µs | lost | Python: {of_peer} EAIK: {of_peer} ssik: {of_peer}")
+    print("|---" * 20 + "|")
     with tempfile.TemporaryDirectory() as made:
         for name, arm in arms():
             if options.arms and not any(word in name for word in options.arms):
@@ -290,7 +323,8 @@ def main():
             index, solutions = reaching(arm, index, solutions, rotations, places)
             lost = absent(np.arange(len(q)), q, index, solutions)
             row = f"| {name} | {method} | {len(index) / len(q):.3f} | {micros:.2f} | {lost.sum()} |"
-            peers = [("EAIK", len(q), lambda n: eaik(arm, rotations[:n], places[:n])), ("ssik", options.peer_poses, lambda n: ssik(arm, rotations[:n], places[:n], Path(made)))]
+            peers = [("denavit in Python", len(q), lambda n: in_python(arm, rotations[:n], places[:n], Path(made)))]
+            peers += [("EAIK", len(q), lambda n: eaik(arm, rotations[:n], places[:n])), ("ssik", options.peer_poses, lambda n: ssik(arm, rotations[:n], places[:n], Path(made)))]
             for peer, count, solve in peers:
                 try:
                     with at_most(PATIENCE):
@@ -299,12 +333,13 @@ def main():
                     print(f"{name}: {peer}: {str(problem)[:200]}", file=sys.stderr)
                     found = None
                 if found is None:
-                    row += " none | | | |"
+                    row += " none | | | | |"
                     continue
                 at, theirs = reaching(arm, found[0], found[1], rotations, places)
                 own = index < count
                 missed, they_miss = absent(at, theirs, index, solutions).sum(), absent(index[own], solutions[own], at, theirs).sum()
-                row += f" {len(at) / count:.3f} | {found[2]:.1f} | {missed} | {they_miss} |"
+                batch, one = found[2]
+                row += f" {len(at) / count:.3f} | {batch:.1f} | {'' if one is None else f'{one:.1f}'} | {missed} | {they_miss} |"
             print(row, flush=True)
 
 

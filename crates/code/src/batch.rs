@@ -1,4 +1,4 @@
-//! Forward kinematics of many postures: eight at once, with sines of their own, in loops that a compiler makes vectors of.
+//! Forward kinematics of many postures: eight or sixteen at once, with sines of their own, in loops that a compiler makes vectors of.
 
 use crate::program::{Statement, Value};
 use crate::render::Writer;

@@ -410,8 +410,30 @@ impl Writer {
     }
 
     pub fn sum(&self, terms: &[Term]) -> String {
+        match (self.options.language, self.lanes) {
+            // rustc, unlike gcc, never rounds a product and a sum once of its own accord.
+            (Language::Rust, Some(_)) => self.multiply_adds(terms),
+            _ => self.plain_sum(terms.iter()),
+        }
+    }
+
+    /// A sum that adds each product to what comes before it by `multiply_add`.
+    fn multiply_adds(&self, terms: &[Term]) -> String {
+        let (mut products, mut rest): (Vec<&Term>, Vec<&Term>) = terms.iter().partition(|term| term.factors.len() > 1);
+        if rest.is_empty() {
+            rest.push(products.remove(0));
+        }
+        products.into_iter().fold(self.plain_sum(rest.into_iter()), |sum, term| {
+            let factors = self.factors(term);
+            let (last, others) = factors.split_last().expect("a product");
+            let sign = if term.negative { "-" } else { "" };
+            format!("multiply_add({sign}{}, {last}, {sum})", others.join(" * "))
+        })
+    }
+
+    fn plain_sum<'t>(&self, terms: impl Iterator<Item = &'t Term>) -> String {
         let mut text = String::new();
-        for (index, term) in terms.iter().enumerate() {
+        for (index, term) in terms.enumerate() {
             text.push_str(match (index, term.negative) {
                 (0, true) => "-",
                 (0, false) => "",

@@ -249,11 +249,16 @@ fn the_poses_of_a_batch_are_those_of_each_posture() {
     let arms = [examples::scara_helical(), examples::planar_arm(), examples::rail_arm()];
     let mut tables = vec![of(&examples::puma_like(), NearParallel::HayatiBelow(0.1))];
     tables.extend(arms.iter().map(|chain| of(chain, NearParallel::Dh)));
-    for (language, program, flags) in [
+    let mut compilers = vec![
         (Language::C, "gcc", &["-O3", "-std=c99", "-x", "c"][..]),
         (Language::Cpp, "g++", &["-O2", "-std=c++17", "-x", "c++"]),
         (Language::Rust, "rustc", &["-O", "--edition", "2021"]),
-    ] {
+    ];
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        compilers.push((Language::Rust, "rustc", &["-O", "--edition", "2021", "-C", "target-feature=+avx2,+fma"]));
+    }
+    for (language, program, flags) in compilers {
         if !is_installed(program) {
             continue;
         }

@@ -17,7 +17,7 @@
 use crate::arm::{Axis, SixR, turn_between};
 use crate::circles::{Few, on_line, turned_dot};
 use crate::eigenvalues::eigenvalues;
-use denavit_model::nalgebra::{Complex, FullPivLU, Matrix3, SMatrix, SVector, U12, Vector3};
+use denavit_model::nalgebra::{Complex, ComplexField, FullPivLU, Matrix3, SMatrix, SVector, U12, Vector3};
 use denavit_model::{Pose, se3};
 use std::f64::consts::TAU;
 
@@ -32,10 +32,10 @@ const SHIFTS: [f64; 3] = [0.613, -0.377, 0.841];
 const TURNS: [f64; 2] = [TAU / 3.0, -TAU / 3.0];
 
 /// Eigenvalues lose as many digits as the quadratic part's pivots span: three of sixteen are no loss.
-const REGULAR: f64 = 1e-3;
+pub(crate) const REGULAR: f64 = 1e-3;
 
-/// The same where the equations are dependent to rounding: errors grow with its square, to 1e-6 rad here.
-const INDEPENDENT: f64 = 1e-5;
+/// The same where the equations are dependent to rounding.
+pub(crate) const INDEPENDENT: f64 = 1e-5;
 
 /// Sixteen eigenvalues, with two values of joint 2 each.
 const MOST: usize = 32;
@@ -51,6 +51,17 @@ pub(crate) struct Elimination {
     /// For each of 1, cos, sin of joint 3: the fourteen equations' coefficients of the products of joints 4 and 5.
     left: [SMatrix<f64, 14, 9>; 3],
     order: Order,
+}
+
+/// What an elimination says of a pose.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidates {
+    /// Joint values, rad.
+    pub joints: Few<[f64; 6], MOST>,
+    /// Real eigenvalues, of which each is a solution; [`MOST`] where there are no eigenvalues.
+    pub real: usize,
+    /// The last pivot of the quadratic part as a share of the first: near 0 where the equations are dependent.
+    pub regular: f64,
 }
 
 /// The fifteen numbers of a point and a direction.
@@ -182,15 +193,14 @@ impl Elimination {
         Self { left, order, arm: scaled }
     }
 
-    /// Candidates for all real solutions, joint values in rad, and how many solutions there are: as many as real eigenvalues;
-    /// [`MOST`] where the equations are dependent and the eigenvalues tell nothing.
-    pub fn solve(&self, target: &Pose, size: f64) -> (Few<[f64; 6], MOST>, usize) {
-        let mut found = Few::new([0.0; 6]);
+    /// Candidates for all real solutions of a pose.
+    pub fn solve(&self, target: &Pose, size: f64) -> Candidates {
+        let mut found = Candidates { joints: Few::new([0.0; 6]), real: MOST, regular: 0.0 };
         let mut moved = *target;
         moved.translation.vector /= size;
         let (axes, moved) = self.order.seen(&self.arm.axes, &(moved * self.arm.home.inverse()));
         let pencil = self.pencil(&axes, &moved);
-        let Some(eigenvalues) = pencil.eigenvalues() else { return (found, MOST) };
+        let Some(eigenvalues) = pencil.eigenvalues() else { return found };
         for eigenvalue in eigenvalues.iter() {
             let t = eigenvalue.re;
             if eigenvalue.im.abs() > NEARLY_REAL * (1.0 + t.abs()) || eigenvalue.im < 0.0 {
@@ -201,11 +211,12 @@ impl Elimination {
             let v4 = 2.0 * x.atan() - SHIFTS[1];
             let v5 = 2.0 * y.atan() - SHIFTS[2];
             others(&axes, &moved, [v3, v4, v5], |v1, v2, v6| {
-                found.push(self.order.restored([v1, v2, v3, v4, v5, v6]));
+                found.joints.push(self.order.restored([v1, v2, v3, v4, v5, v6]));
             });
         }
-        let real = eigenvalues.iter().filter(|eigenvalue| eigenvalue.im == 0.0).count();
-        (found, if pencil.regular > INDEPENDENT { real } else { MOST })
+        found.real = eigenvalues.iter().filter(|eigenvalue| eigenvalue.im == 0.0).count();
+        found.regular = pencil.regular;
+        found
     }
 
     /// With joint 3 counted from the first zero without a solution near t = ∞, or from that farthest from one.
@@ -295,7 +306,8 @@ impl Pencil {
         companion.fixed_view_mut::<12, 12>(0, 12).fill_with_identity();
         companion.fixed_view_mut::<12, 12>(12, 0).copy_from(&(-(inverse * self.zeroth)));
         companion.fixed_view_mut::<12, 12>(12, 12).copy_from(&(-(inverse * self.linear)));
-        let null = self.null_at_i()?;
+        let at_i = (self.zeroth - self.quadratic).zip_map(&self.linear, Complex::new);
+        let null = null_vectors::<_, 8, 4>(&at_i)?;
         let (re, im) = (null.map(|x| x.re), null.map(|x| x.im));
         let mut subspace = SMatrix::<f64, 24, 8>::zeros();
         subspace.fixed_view_mut::<12, 4>(0, 0).copy_from(&re);
@@ -310,20 +322,6 @@ impl Pencil {
         rotation.q_tr_mul(&mut block);
         let block: SMatrix<f64, 16, 16> = block.fixed_view::<16, 16>(8, 8).into_owned();
         eigenvalues(&block)
-    }
-
-    /// The four null vectors at t = i.
-    fn null_at_i(&self) -> Option<SMatrix<Complex<f64>, 12, 4>> {
-        let matrix = (self.zeroth - self.quadratic).zip_map(&self.linear, Complex::new);
-        let factors = matrix.full_piv_lu();
-        let upper = factors.u();
-        let right = -upper.fixed_view::<8, 4>(0, 8);
-        let dependent = upper.fixed_view::<8, 8>(0, 0).solve_upper_triangular(&right)?;
-        let mut null = SMatrix::<Complex<f64>, 12, 4>::zeros();
-        null.fixed_view_mut::<8, 4>(0, 0).copy_from(&dependent);
-        null.fixed_view_mut::<4, 4>(8, 0).fill_with_identity();
-        factors.q().inv_permute_rows(&mut null);
-        Some(null)
     }
 }
 
@@ -447,16 +445,25 @@ fn in_tangents(rows: &SMatrix<f64, 6, 9>) -> SMatrix<f64, 6, 9> {
     result
 }
 
-/// x and y from the null vector of the 12 × 12 matrix, whose entries are x^a y^b (a to 3, b to 2).
-fn tangents(matrix: &SMatrix<f64, 12, 12>) -> Option<(f64, f64)> {
-    // Complete pivoting brings the nearly zero pivot to the end: U v = 0 but for it.
-    let factors = matrix.full_piv_lu();
+/// The null vectors of a matrix of that rank, as many as its twelve columns have more.
+fn null_vectors<T: ComplexField, const RANK: usize, const COUNT: usize>(
+    matrix: &SMatrix<T, 12, 12>,
+) -> Option<SMatrix<T, 12, COUNT>> {
+    // Complete pivoting brings the nearly zero pivots to the end: U v = 0 but for them.
+    let factors = matrix.clone().full_piv_lu();
     let upper = factors.u();
-    let dependent = upper.fixed_view::<11, 11>(0, 0).solve_upper_triangular(&-upper.fixed_view::<11, 1>(0, 11))?;
-    let mut v = SVector::<f64, 12>::zeros();
-    v.fixed_rows_mut::<11>(0).copy_from(&dependent);
-    v[11] = 1.0;
-    factors.q().inv_permute_rows(&mut v);
+    let right = -upper.fixed_view::<RANK, COUNT>(0, RANK);
+    let dependent = upper.fixed_view::<RANK, RANK>(0, 0).solve_upper_triangular(&right)?;
+    let mut null = SMatrix::<T, 12, COUNT>::zeros();
+    null.fixed_view_mut::<RANK, COUNT>(0, 0).copy_from(&dependent);
+    null.fixed_view_mut::<COUNT, COUNT>(RANK, 0).fill_with_identity();
+    factors.q().inv_permute_rows(&mut null);
+    Some(null)
+}
+
+/// x and y from the null vector of the 12 × 12 matrix, whose entries are x^a y^b (a to 3, b to 2).
+fn tangents(matrix: &Square) -> Option<(f64, f64)> {
+    let v = null_vectors::<_, 11, 1>(matrix)?;
     let ratio = |over: &dyn Fn(usize) -> usize, under: &[usize]| {
         let best =
             under.iter().copied().max_by(|a, b| v[*a].hypot(v[over(*a)]).total_cmp(&v[*b].hypot(v[over(*b)])))?;

@@ -4,7 +4,7 @@ use crate::arm::{Angle, SixR};
 use crate::branch::Branch;
 use crate::circles::{EXACT, Few, SLACK};
 use crate::class::{Class, Drawn};
-use crate::general::{Elimination, Order};
+use crate::general::{Candidates, Elimination, INDEPENDENT, Order, REGULAR};
 use crate::newton::Landed;
 use crate::solver::{REACHED, STEPS};
 use crate::{newton, parallel, wrist};
@@ -22,13 +22,17 @@ const RANKING: u32 = 8;
 const POSTURES: u32 = 40;
 /// Half the angle, rad, by which a posture that was found differs from the one that made the pose.
 const SAME_POSTURE: f64 = 1e-5;
-/// By how much, rad and share of the size, axes of the arms near one whose own equations are dependent are off: at 1e-6 they still are,
-/// at 1e-2 solutions near singularities are lost. Each of these misses some hundredth, and another one.
-const NEAR: [f64; 4] = [1e-4, 1e-4, 1e-3, 3e-5];
+/// Candidates this near to their solutions (sine of half an angle) come of accurate eigenvalues.
+const ACCURATE: f64 = 1e-3;
+
+/// Arms near one whose own equations are dependent: by how much, rad and share of the size, the axes are off, and which way (a seed).
+/// At 1e-6 the equations still are dependent, at 1e-2 solutions are lost. Two solutions near a singularity that an arm does not have,
+/// the arm as far off the opposite way has.
+const NEAR: [(f64, usize); 4] = [(1e-4, 0), (-1e-4, 0), (3e-4, 1), (-3e-4, 1)];
 
 /// Pivots of the Jacobian (rad and shares of the size) below which a calibrated arm may have branches that the drawn one has not: ten of
-/// 10 000 poses of a UR10 had some beside all eight, at pivots up to 0.011.
-const NEAR_SINGULAR: f64 = 0.02;
+/// 10 000 poses of a UR10 had some beside all eight, at pivots up to 0.011, one of 100 000 above 0.021.
+const NEAR_SINGULAR: f64 = 0.025;
 
 /// Branches of a class.
 const MOST: u32 = 8;
@@ -149,22 +153,27 @@ impl Six {
     /// Adds what elimination finds to the solutions that are `known`; `add` tells whether a solution is new.
     fn eliminate(&self, target: &Pose, size: f64, known: usize, mut add: impl FnMut(&[f64; 6], &Landed) -> bool) {
         let Some(Eliminations { own, near, dependent }) = &self.general else { return };
-        let mut refined = |candidates: &[[f64; 6]]| {
-            let mut new = 0;
-            for values in candidates {
+        // How many are new, and how far the farthest solution lies from where its candidate was; `None` without solutions.
+        let mut refined = |candidates: &Candidates| {
+            let (mut new, mut farthest) = (0, None::<f64>);
+            for values in candidates.joints.as_slice() {
                 let mut there = values.map(Angle::at);
                 if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
                     new += usize::from(add(&values_of(&there), &landed));
+                    farthest = Some(farthest.unwrap_or(0.0).max(apart(&values_of(&there), values)));
                 }
             }
-            new
+            (new, farthest)
         };
-        let (candidates, expected) = own.solve(target, size);
-        let found = known + refined(candidates.as_slice());
+        let candidates = own.solve(target, size);
+        let (new, farthest) = refined(&candidates);
+        let found = known + new;
+        let near_enough = farthest.is_some_and(|farthest| farthest < ACCURATE);
+        let accurate = candidates.regular > REGULAR || (candidates.regular > INDEPENDENT && near_enough);
         // Each real eigenvalue is a solution, and solutions come in pairs: if some are missing, the equations are nearly dependent.
-        if *dependent || found < expected || found % 2 == 1 {
+        if *dependent || !accurate || found < candidates.real || found % 2 == 1 {
             for near in near {
-                refined(near.solve(target, size).0.as_slice());
+                refined(&near.solve(target, size));
             }
         }
     }
@@ -191,8 +200,8 @@ impl Eliminations {
         });
         let (_, own) = others.into_iter().fold(first, |best, other| if other.0 < best.0 { other } else { best });
         let dependent = !(1..=POSTURES).all(|k| finds(&own, arm, size, &posture(k)));
-        let near = |(seed, angle)| Elimination::of(&arm.perturbed(angle, size, seed), size, Order::ALL[0]);
-        Self { own, near: NEAR.into_iter().enumerate().map(near).collect(), dependent }
+        let near = |(angle, seed)| Elimination::of(&arm.perturbed(angle, size, seed), size, Order::ALL[0]);
+        Self { own, near: NEAR.into_iter().map(near).collect(), dependent }
     }
 }
 
@@ -208,14 +217,14 @@ fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 
 /// The error of the candidate that is nearest to a posture, among those for its own pose.
 fn error(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -> f64 {
-    let (candidates, _) = elimination.solve(&arm.fk(posture), size);
-    candidates.as_slice().iter().map(|values| apart(values, posture)).fold(1.0, f64::min)
+    let candidates = elimination.solve(&arm.fk(posture), size);
+    candidates.joints.as_slice().iter().map(|values| apart(values, posture)).fold(1.0, f64::min)
 }
 
 /// Whether a posture is among the solutions of its own pose.
 fn finds(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -> bool {
     let target = arm.fk(posture);
-    elimination.solve(&target, size).0.as_slice().iter().any(|values| {
+    elimination.solve(&target, size).joints.as_slice().iter().any(|values| {
         let mut there = values.map(Angle::at);
         let landed = newton::refine(arm, &target, size, &mut there, REACHED);
         landed.is_some() && apart(&values_of(&there), posture) < SAME_POSTURE
