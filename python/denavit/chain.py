@@ -277,8 +277,10 @@ class Chain(Shown, Frozen):
         """Joint values of one configuration, or what is wrong with them."""
         n = len(self.joints)
         values = np.asarray(joint_values("q0", q0, self.joints), dtype=np.float64)
-        if values.shape != (n,) or not np.isfinite(values).all():
-            raise ArgumentError(f"q0 has shape {values.shape}; give one finite value for each of the {n} joints")
+        if values.shape != (n,):
+            raise ArgumentError(f"q0 has shape {values.shape}; give one value for each of the {n} joints")
+        if not np.isfinite(values).all():
+            raise ArgumentError("q0 has a number that is not finite")
         return values.tolist()
 
     def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
