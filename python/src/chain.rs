@@ -40,7 +40,7 @@ fn code(branch: Option<Branch>) -> i8 {
     })
 }
 
-/// Names of branches in the order of their places; the last is none.
+/// Names of branches in the order of their places; the last stands for no branch.
 #[pyfunction]
 pub fn branch_names() -> Vec<Option<String>> {
     let named = |code: u8| Branch { front: code & 1 != 0, elbow_up: code & 2 != 0, flipped: code & 4 != 0 };
