@@ -242,7 +242,10 @@ pub fn averaged(
     .ok_or(NotAveraged::Numbers)
     .and_then(|found| match (found.named, found.left_out[1]) {
         (Some(named), averaged) if named < averaged => Err(NotAveraged::NamedIsBetter { named, averaged }),
-        _ => Ok(found),
+        _ => {
+            let squares = squares(&found.fit.arm, &found.fit.effects, data);
+            Ok(Averaging { fit: Fit { squares, ..found.fit }, ..found })
+        }
     })
 }
 
@@ -532,7 +535,7 @@ impl Averager<'_> {
         let averaged = Arc::new(Averaged::new(mean, averages, known));
         let effects = EffectModel { averaged: Some(averaged), ..EffectModel::new(statics.clone(), Vec::new()) };
         let fit = Fit {
-            squares: squares(&arm, &effects, self.data),
+            squares: Vec::new(),
             arm,
             effects,
             noise: Noise { levels: at.sizes.noise.iter().map(|size| size.exp()).collect() },

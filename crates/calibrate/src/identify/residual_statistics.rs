@@ -2,6 +2,7 @@
 
 use crate::identify::initial_guess::{level, mean_pose};
 use crate::identify::solve::Fit;
+use crate::identify::threads::in_stretches;
 use crate::observation::arm::{Arm, Perturbation, Row, RowState};
 use crate::observation::kinds::{Discrepancy, Frame, Part, Seen};
 use crate::observation::measurements::{Measurements, MissingColumn, Scene, Series, label_of};
@@ -157,9 +158,8 @@ impl Residual {
 /// # Shape and units
 /// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
-    let mut found = Vec::with_capacity(data.observations());
-    found.extend(each_residual(arm, effects, data));
-    found
+    let of_rows = |(): &mut (), rows| EachResidual::of(rows, arm, effects, data).collect::<Vec<Residual>>();
+    in_stretches(data.len(), || (), of_rows).concat()
 }
 
 /// As [`residuals`], one after the other: of a million rows they need not all be kept.
@@ -168,7 +168,7 @@ pub fn each_residual<'a, E: Effects>(
     effects: &'a E,
     data: &'a Measurements,
 ) -> impl Iterator<Item = Residual> {
-    EachResidual { data, arm: InRow::new(arm, effects), row: 0, next_row: 0, observations: 0..0 }
+    EachResidual::of(0..data.len(), arm, effects, data)
 }
 
 struct EachResidual<'a, E: Effects> {
@@ -176,9 +176,16 @@ struct EachResidual<'a, E: Effects> {
     /// In `row`.
     arm: InRow<'a, E>,
     row: usize,
-    next_row: usize,
+    /// Rows that are still to come.
+    rows: Range<usize>,
     /// Those of the row that are still to come.
     observations: Range<usize>,
+}
+
+impl<'a, E: Effects> EachResidual<'a, E> {
+    fn of(rows: Range<usize>, arm: &'a Arm, effects: &'a E, data: &'a Measurements) -> Self {
+        Self { data, arm: InRow::new(arm, effects), row: 0, rows, observations: 0..0 }
+    }
 }
 
 impl<E: Effects> Iterator for EachResidual<'_, E> {
@@ -190,8 +197,7 @@ impl<E: Effects> Iterator for EachResidual<'_, E> {
             if let Some(observation) = self.observations.next() {
                 break observation;
             }
-            self.row = (self.next_row..data.len()).find(|&row| !data.locate[row])?;
-            self.next_row = self.row + 1;
+            self.row = self.rows.find(|&row| !data.locate[row])?;
             self.arm.stand(data, self.row);
             self.observations = data.of_row(self.row);
         };
