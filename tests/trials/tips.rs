@@ -57,6 +57,19 @@ fn what_one_arm_gives_is_found_and_goes_into_its_own_file() {
 }
 
 #[test]
+fn a_hand_bolted_to_the_base_is_calibrated_by_its_grips() {
+    let trial = Trial::new().with_robot("baxter.urdf", "rethink/baxter.urdf");
+    let tips = "--tip torso --tip right_hand";
+    let rows = "--measure grips --rows 40 --seed 6 -o bolted.csv --test later.csv";
+    trial.run(&format!("simulate baxter.urdf {tips} {rows}")).succeeded();
+    assert!(trial.text("bolted.csv").contains("\ntorso+right_hand,"));
+    trial.run(&format!("calibrate baxter.urdf {tips} --data bolted.csv --test later.csv --json fit.json")).succeeded();
+    let found: Value = serde_json::from_str(&trial.text("fit.json")).unwrap();
+    let error = |stage: usize| found["stages"][stage]["test"]["grip_rms_m"].as_f64().unwrap();
+    assert!(error(1) < 0.3 * error(0), "{} {}", error(0), error(1));
+}
+
+#[test]
 fn one_tip_has_no_list_of_tips() {
     let trial = trial();
     let rows = trial.text("both.csv");
