@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from poe_scipy import expm, logs, rotations
+from poe_scipy import Model, expm, logs, rotations
 from scipy.optimize import least_squares
 
 TOP = Path(__file__).resolve().parents[3]
@@ -75,54 +75,37 @@ def differences(turns, places, grip):
 
 def matrix(numbers, start):
     grip = np.eye(4)
-    grip[:3, :3], grip[:3, 3] = start[:3, :3] @ expm(numbers[:3]), numbers[3:]
+    grip[:3, :3], grip[:3, 3] = start @ expm(numbers[:3]), numbers[3:]
     return grip
 
 
 def held(turns, places):
-    """The right hand's tool that is on average the left hand's."""
-    grip = np.eye(4)
+    """The right hand's tool that is on average the left hand's: its rotation, and the six numbers of `matrix` beside that."""
     u, _, vt = np.linalg.svd(turns.sum(axis=0).T)
-    grip[:3, :3] = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-    return grip
+    place = -np.einsum("nji,nj->ni", turns, places).mean(axis=0)
+    return u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt, np.concatenate([np.zeros(3), place])
 
 
 def of_scipy(arms, q, tolerance):
-    across = []
-    for u in arms.directions:
-        a = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
-        a /= np.linalg.norm(a)
-        across.append(np.stack([a, np.cross(u, a)]))
-    across = np.array(across)
-    start = held(*arms.right_in_left(arms.directions, arms.points, q))
+    model = Model(list(zip(arms.directions, arms.points, strict=True)), np.eye(4))
+    start, tool = held(*arms.right_in_left(arms.directions, arms.points, q))
 
     def axes(x):
-        t = x[:-6].reshape(-1, 4)
-        directions = arms.directions + np.einsum("ik,ikj->ij", t[:, :2], across)
-        return directions / np.linalg.norm(directions, axis=1)[:, None], arms.points + np.einsum("ik,ikj->ij", t[:, 2:], across)
+        return [np.array(part) for part in zip(*model.axes(x), strict=True)]
 
     def residual(x):
         left = differences(*arms.right_in_left(*axes(x), q), matrix(x[-6:], start)).ravel() / SCATTER
         return left if tolerance is None else np.concatenate([left, x[:-6] / tolerance])
 
-    x = np.zeros(4 * len(arms.names) + 6)
-    turns, places = arms.right_in_left(arms.directions, arms.points, q)
-    x[-3:] = -np.einsum("nji,nj->ni", turns, places).mean(axis=0)
-    found = least_squares(residual, x, method="trf", x_scale="jac")
-    return axes(found.x)
+    return axes(least_squares(residual, np.concatenate([np.zeros(4 * model.n), tool]), method="trf", x_scale="jac").x)
 
 
 def judged(arms, axes, train, test):
     """Root mean squares over `test`, mm and mrad; the tool is the one that `train` shows with these axes."""
     turns, places = arms.right_in_left(*axes, train)
-    start = held(turns, places)
-
-    def residual(x):
-        return differences(turns, places, matrix(x, start)).ravel()
-
-    x = np.concatenate([np.zeros(3), -np.einsum("nji,nj->ni", turns, places).mean(axis=0)])
-    grip = matrix(least_squares(residual, x).x, start)
-    left = differences(*arms.right_in_left(*axes, test), grip)
+    start, tool = held(turns, places)
+    found = least_squares(lambda x: differences(turns, places, matrix(x, start)).ravel(), tool)
+    left = differences(*arms.right_in_left(*axes, test), matrix(found.x, start))
     return [1e3 * np.sqrt((part**2).sum(axis=1).mean()) for part in (left[:, :3], left[:, 3:])]
 
 
