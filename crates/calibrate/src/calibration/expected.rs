@@ -47,12 +47,12 @@ impl Expected {
         let Some(averaged) = &averaging.fit.effects.averaged else {
             return Self { inside_m: f64::NAN, geometric_m: root * averaging.left_out[0], outside: Vec::new() };
         };
-        let rows = data.evenly_spread(POSTURES.min(data.len()));
+        let rows = data.spread_by_posture(POSTURES.min(data.len()));
         let mut inside: Vec<f64> =
             rows.iter().map(|&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row)))).collect();
         inside.sort_by(f64::total_cmp);
         let inside_m = inside.get(inside.len() / 2).copied().unwrap_or(f64::NAN);
-        let rows = data.evenly_spread(FOR_EACH_END.min(data.len()));
+        let rows = data.spread_by_posture(FOR_EACH_END.min(data.len()));
         let outside = (0..data.joints.len()).filter_map(|k| outside(averaged, data, &rows, k, root)).collect();
         Self { inside_m, geometric_m: root * averaging.left_out[0], outside }
     }

@@ -54,20 +54,14 @@ impl EffectModel {
         let curve = |curve: &Curve| Some(Curve { joint: own[curve.joint]?, ..curve.clone() });
         Self {
             statics: self.statics.to_tip(tip),
-            effects: self
-                .effects
-                .iter()
-                .filter_map(|effect| self.on_the_way(effect, &own))
-                .map(|(own, _)| own)
-                .collect(),
+            effects: self.effects.iter().filter_map(|effect| Some(self.on_the_way(effect, &own)?.effect)).collect(),
             curves: self.curves.iter().filter_map(curve).collect(),
             earlier: None,
             averaged: self.averaged.as_ref().map(|averaged| Arc::new(averaged.to_tip(tip))),
         }
     }
 
-    /// The effect for a chain that has its joints there, and which values of its driver are left.
-    fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<(Effect, Vec<bool>)> {
+    fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<OnTheWay> {
         let carrier = renumbered(term.carrier, own)?;
         let (driver, kept) = match &term.driver {
             // Parts of links that are not on the way are none of this chain's.
@@ -79,15 +73,24 @@ impl EffectModel {
             }
             driver => (driven(driver, own)?, vec![true; driver.len(&self.statics)]),
         };
-        let coefficients = match term.coupling {
-            Coupling::Paired => coefficients.clone(),
-            Coupling::Each => {
-                let values = coefficients.iter().zip(kept.iter().cycle());
-                values.filter(|(_, kept)| **kept).map(|(value, _)| *value).collect()
-            }
+        let numbers: Vec<bool> = match term.coupling {
+            Coupling::Paired => vec![true; coefficients.len()],
+            Coupling::Each => kept.iter().copied().cycle().take(coefficients.len()).collect(),
         };
-        Some((Effect { term: Term { carrier, driver, ..term.clone() }, coefficients }, kept))
+        let coefficients = coefficients.iter().zip(&numbers).filter(|(_, kept)| **kept).map(|(value, _)| *value);
+        let coefficients = coefficients.collect();
+        let effect = Effect { term: Term { carrier, driver, ..term.clone() }, coefficients };
+        Some(OnTheWay { effect, values: kept, numbers })
     }
+}
+
+/// An effect for a chain that has its joints there.
+struct OnTheWay {
+    effect: Effect,
+    /// Which values of its driver are left.
+    values: Vec<bool>,
+    /// Which of its coefficients are left.
+    numbers: Vec<bool>,
 }
 
 impl Averaged {
@@ -95,27 +98,21 @@ impl Averaged {
     fn to_tip(&self, tip: usize) -> Self {
         let (mean, known) = (self.mean(), &self.known);
         let own = mean.statics.own(tip);
-        // For each number its place among those that are left.
-        let (mut places, mut averages, mut next) = (Vec::new(), Vec::new(), 0);
+        let (mut left, mut averages) = (Vec::new(), Vec::new());
         for (effect, of_driver) in mean.effects.iter().zip(&self.averages) {
-            let kept = mean.on_the_way(effect, &own).map(|(_, kept)| kept);
-            if let Some(kept) = &kept {
-                averages.push(of_driver.iter().zip(kept).filter(|(_, kept)| **kept).map(|(value, _)| *value).collect());
-            }
-            for number in 0..effect.coefficients.len() {
-                let by_value = effect.term.coupling == Coupling::Each;
-                let left = kept.as_ref().is_some_and(|kept| !by_value || kept[number % kept.len()]);
-                places.push(left.then_some(next));
-                next += usize::from(left);
-            }
+            let Some(OnTheWay { values, numbers, .. }) = mean.on_the_way(effect, &own) else {
+                left.resize(left.len() + effect.coefficients.len(), false);
+                continue;
+            };
+            left.extend(numbers);
+            averages.push(of_driver.iter().zip(values).filter(|(_, kept)| *kept).map(|(value, _)| *value).collect());
         }
         for curve in &mean.curves {
-            let left = own[curve.joint].is_some();
-            for _ in 0..curve.waves.len() {
-                places.push(left.then_some(next));
-                next += usize::from(left);
-            }
+            left.resize(left.len() + curve.waves.len(), own[curve.joint].is_some());
         }
+        // For each number its place among those that are left.
+        let mut next = 0..;
+        let places: Vec<Option<usize>> = left.into_iter().map(|left| left.then(|| next.next()).flatten()).collect();
         let spread = |spread: &Spread| {
             let numbers = spread.kept.len();
             let frames = spread.covariance.nrows() - numbers - 3 * known.tips.len();

@@ -54,7 +54,7 @@ const STUDENT: f64 = 4.0;
 /// Why there is no averaged prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotAveraged {
-    /// Tips touch each other or hold a tool together.
+    /// Several tips, and some are measured by what they touch or hold.
     TipsTogether,
     /// An earlier calibration is gone on from.
     Continued,
@@ -257,7 +257,7 @@ fn placing(chain: &Chain, data: &Measurements, options: &IdentifyOptions, terms:
 
 /// A term with 1 over the root mean square of its driver in the data; none where it drives nothing.
 fn in_own_units(term: &Term, statics: &Statics, data: &Measurements) -> Option<(Term, f64)> {
-    let rows = data.evenly_spread(data.len().min(VALUES_FOR_SIZES));
+    let rows = data.spread_by_posture(data.len().min(VALUES_FOR_SIZES));
     let mut square = 0.0;
     for &row in &rows {
         let conditions = Conditions::of(Row::new(data, row));
