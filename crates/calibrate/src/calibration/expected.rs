@@ -52,8 +52,7 @@ impl Expected {
             rows.iter().map(|&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row)))).collect();
         inside.sort_by(f64::total_cmp);
         let inside_m = inside.get(inside.len() / 2).copied().unwrap_or(f64::NAN);
-        let rows = data.spread_by_posture(FOR_EACH_END.min(data.len()));
-        let outside = (0..data.joints.len()).filter_map(|k| outside(averaged, data, &rows, k, root)).collect();
+        let outside = (0..data.joints.len()).filter_map(|k| outside(averaged, data, k, root)).collect();
         Self { inside_m, geometric_m: root * averaging.left_out[0], outside }
     }
 
@@ -77,14 +76,16 @@ impl Expected {
 }
 
 /// The largest expected error with a coordinate at an end of its limits that was not measured.
-fn outside(averaged: &Averaged, data: &Measurements, rows: &[usize], k: usize, root: f64) -> Option<Outside> {
+fn outside(averaged: &Averaged, data: &Measurements, k: usize, root: f64) -> Option<Outside> {
     let chain = &averaged.mean().statics.chain;
     let (low, high) = averaged.known.ranges[k];
     let (lower, upper) = chain.coordinates()[k].range();
     let ends = [lower, upper].into_iter().filter(|end| *end < low - AT_THE_END || *end > high + AT_THE_END);
     let nothing = averaged.bound(&|name| RecordedRow::nothing().column(name));
-    let rows = rows.iter().filter(|&&row| data.moves_its_tip(row, k));
-    let worst = ends.flat_map(|at| rows.clone().map(move |&row| (at, row))).map(|(at, row)| {
+    let own: Vec<usize> = (0..data.len()).filter(|&row| data.moves_its_tip(row, k)).collect();
+    let count = FOR_EACH_END.min(own.len());
+    let rows = (0..count).map(|at| own[at * own.len() / count]);
+    let worst = ends.flat_map(|at| rows.clone().map(move |row| (at, row))).map(|(at, row)| {
         let mut reading = data.reading(row).to_vec();
         reading[k] = at;
         let conditions = Conditions { reading: &reading, recorded: RecordedRow::nothing(), tip: data.tip_of(row) };
