@@ -281,7 +281,8 @@ class Chain(Shown, Frozen):
             raise ArgumentError(f"q0 has shape {values.shape}; give one value for each of the {n} joints")
         if not np.isfinite(values).all():
             raise ArgumentError("q0 has a number that is not finite")
-        return values.tolist()
+        given: list[float] = values.tolist()
+        return given
 
     def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
         """Where the tip's origin is in the base frame, m, shape ``(..., 3)``; quicker than `fk`, and as exact."""
