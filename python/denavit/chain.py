@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -56,18 +56,6 @@ class Coordinate:
     continuous: bool = False
 
 
-def pose_matrices(name: str, poses: ArrayLike) -> Array:
-    """Homogeneous matrices, shape ``(..., 4, 4)``, or what is wrong with them."""
-    try:
-        matrices = np.ascontiguousarray(poses, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(f"{name} is no array of numbers ({error})") from error
-    if matrices.ndim < 2 or matrices.shape[-2:] != (4, 4):
-        raise ArgumentError(f"{name} has shape {matrices.shape}; give homogeneous matrices, shape (..., 4, 4)")
-    _denavit.check_poses(name, matrices.reshape(-1, 16))
-    return matrices
-
-
 @dataclass(frozen=True, slots=True)
 class Solutions:
     """What `Chain.ik` found: for each pose all branches, nearest to the start first, those outside of the limits last.
@@ -77,15 +65,19 @@ class Solutions:
             is not reached has the nearest that was found.
         mask: Which of them reach their pose within the limits, shape ``(..., branches)``.
         reached: Which poses are reached, within the limits or not, shape ``(...,)``.
-        names: Name of each branch, or ``None`` where the arm's class has no names; shape ``(..., branches)``.
         method: How they were found.
     """
 
     q: Array
     mask: NDArray[np.bool_]
     reached: NDArray[np.bool_]
-    names: NDArray[np.object_]
     method: str
+    _codes: NDArray[np.int8] = field(repr=False)
+
+    @property
+    def names(self) -> NDArray[np.object_]:
+        """Name of each branch, or ``None`` where the arm's class has no names; shape ``(..., branches)``."""
+        return _BRANCHES[self._codes]
 
     @property
     def best(self) -> Array:
@@ -261,17 +253,8 @@ class Chain(Shown, Frozen):
             >>> found.q.shape, bool(found.reached)
             ((8, 6), True)
         """
-        matrices = pose_matrices("poses", poses)
-        near = None if q0 is None else self._one(q0)
-        leading = matrices.shape[:-2]
-        values, codes, mask, reached, method = self._native.ik(matrices.reshape(-1, 16), near)
-        return Solutions(
-            q=values.reshape(leading + values.shape[1:]),
-            mask=mask.reshape(leading + mask.shape[1:]),
-            reached=reached.reshape(leading),
-            names=_BRANCHES[codes].reshape(leading + codes.shape[1:]),
-            method=method,
-        )
+        values, codes, mask, reached, method = self._native.ik(poses, None if q0 is None else self._one(q0))
+        return Solutions(values, mask, reached, method, codes)
 
     def _one(self, q0: JointValues) -> list[float]:
         """Joint values of one configuration, or what is wrong with them."""

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from denavit import _denavit
-from denavit.chain import pose_matrices
 from denavit.errors import ArgumentError
 
 Array = NDArray[np.float64]
@@ -75,7 +74,7 @@ def hand_eye(robot: ArrayLike, seen: ArrayLike, *, on_hand: bool = False) -> Han
         >>> bool(np.allclose(found.instrument, camera)), found.unknown
         (True, None)
     """
-    pairs = [pose_matrices("robot", robot), pose_matrices("seen", seen)]
+    pairs = [_denavit.pose_matrices("robot", robot), _denavit.pose_matrices("seen", seen)]
     if pairs[0].ndim != 3 or pairs[0].shape != pairs[1].shape:
         shapes = " and ".join(str(matrices.shape) for matrices in pairs)
         raise ArgumentError(f"robot and seen have shapes {shapes}; give both the same number of poses, shape (N, 4, 4)")

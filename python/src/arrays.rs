@@ -21,7 +21,7 @@ impl<'py> Configurations<'py> {
         let own = q.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous());
         let array = match own {
             Some(array) => array.clone(),
-            None => contiguous(q)?,
+            None => unnamed(q)?,
         };
         let last = array.shape().last().copied();
         if last != Some(coordinates) {
@@ -55,25 +55,30 @@ impl<'py> Configurations<'py> {
 }
 
 /// A shape as Python writes it.
-fn shape_words(shape: &[usize]) -> String {
+pub fn shape_words(shape: &[usize]) -> String {
     match shape {
         [one] => format!("({one},)"),
         several => format!("({})", several.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
     }
 }
 
-fn contiguous<'py>(q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let py = q.py();
+/// An array without names of columns.
+fn unnamed<'py>(q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let fields = q.getattr("dtype").and_then(|dtype| dtype.getattr("names")).is_ok_and(|names| !names.is_none());
     if fields {
         return Err(argument(
             "q is a structured array; give a data frame, a mapping by joint name, or plain rows of numbers",
         ));
     }
+    contiguous(q).map_err(|error| argument(format!("q is no array of numbers ({error})")))
+}
+
+/// What numpy makes an array of f64 in order of.
+pub fn contiguous<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = given.py();
     let options = PyDict::new(py);
     options.set_item("dtype", "float64")?;
-    let made = PyModule::import(py, "numpy")?.getattr("ascontiguousarray")?.call((q,), Some(&options));
-    let made = made.map_err(|error| argument(format!("q is no array of numbers ({error})")))?;
+    let made = PyModule::import(py, "numpy")?.getattr("ascontiguousarray")?.call((given,), Some(&options))?;
     // A number becomes an array of one; it has no axis of coordinates.
     Ok(made.cast_into::<PyArrayDyn<f64>>()?)
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays::{self, Configurations, FEW, result};
 use crate::errors::{argument, load, said};
-use crate::poses::pose;
+use crate::poses::{Matrices, pose};
 use crate::robot::{convention, reading};
 use crate::table::Table;
 use denavit_calibrate::apply::simulate;
@@ -12,7 +12,7 @@ use denavit_ik::{Branch, Solutions, Solver};
 use denavit_load::{Loaded, Selection, TableOptions};
 use denavit_model::chain::Quantity;
 use denavit_model::{CompiledChain, JacobianFrame, Note, Noted};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, OnceLock};
@@ -23,10 +23,10 @@ type CoordinateEntry = (String, &'static str, Option<f64>, Option<f64>, Option<f
 /// Solutions of inverse kinematics for each pose, as many as the pose with the most has: joint values (NaN where there are fewer), branches by their
 /// place among [`branch_names`], whether they reach the pose within limits; for each pose whether it is reached; the method.
 type Branches<'py> = (
-    Bound<'py, PyArray3<f64>>,
-    Bound<'py, PyArray2<i8>>,
-    Bound<'py, PyArray2<bool>>,
-    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<i8>>,
+    Bound<'py, PyArrayDyn<bool>>,
+    Bound<'py, PyArrayDyn<bool>>,
     String,
 );
 
@@ -59,13 +59,14 @@ pub struct Chain {
     compiled: CompiledChain,
     /// Made where it is first asked for: a general arm's costs as much as some hundred poses.
     solver: OnceLock<Solver>,
+    method: OnceLock<String>,
 }
 
 impl Chain {
     pub fn new(loaded: Arc<Loaded>, file: Arc<str>, noted: Noted<denavit_model::Chain>, exact: bool) -> Self {
         let Noted { value: chain, notes } = noted;
         let compiled = CompiledChain::new(&chain);
-        Self { loaded, file, chain, notes, exact, compiled, solver: OnceLock::new() }
+        Self { loaded, file, chain, notes, exact, compiled, solver: OnceLock::new(), method: OnceLock::new() }
     }
 
     fn selection(&self) -> Selection<'_> {
@@ -78,20 +79,65 @@ impl Chain {
     }
 }
 
-/// Rows of `counts` entries of `width` values each, filled up to `most` entries.
-fn padded<T: Copy>(values: Vec<T>, counts: &[usize], most: usize, width: usize, with: T) -> Vec<T> {
-    if counts.iter().all(|count| *count == most) {
-        return values;
+/// Solutions for one pose after another, as many places for each.
+struct Rows {
+    n: usize,
+    places: usize,
+    joints: Vec<f64>,
+    codes: Vec<i8>,
+    within: Vec<bool>,
+    reached: Vec<bool>,
+    /// The most solutions of a pose.
+    most: usize,
+}
+
+impl Rows {
+    /// Places for the branches that have names.
+    fn new(poses: usize, n: usize) -> Self {
+        let places = usize::from(NAMELESS.unsigned_abs());
+        Self {
+            n,
+            places,
+            joints: Vec::with_capacity(poses * places * n),
+            codes: Vec::with_capacity(poses * places),
+            within: Vec::with_capacity(poses * places),
+            reached: Vec::with_capacity(poses),
+            most: 0,
+        }
     }
-    let mut rows = Vec::with_capacity(counts.len() * most * width);
-    let mut rest = &values[..];
-    for count in counts {
-        let (own, after) = rest.split_at(count * width);
-        rows.extend_from_slice(own);
-        rows.resize(rows.len() + (most - count) * width, with);
-        rest = after;
+
+    fn push(&mut self, solutions: &Solutions) {
+        if solutions.len() > self.places {
+            self.relay(solutions.len());
+        }
+        self.most = self.most.max(solutions.len());
+        for (joints, found) in solutions.iter() {
+            self.joints.extend_from_slice(joints);
+            self.codes.push(code(found.branch));
+            self.within.push(found.within_limits && solutions.reached());
+        }
+        self.reached.push(solutions.reached());
+        let filled = self.reached.len() * self.places;
+        self.joints.resize(filled * self.n, f64::NAN);
+        self.codes.resize(filled, NAMELESS);
+        self.within.resize(filled, false);
     }
-    rows
+
+    /// Gives each pose another number of places.
+    fn relay(&mut self, places: usize) {
+        fn relaid<T: Copy>(rows: &[T], from: usize, to: usize, with: T) -> Vec<T> {
+            let kept = from.min(to);
+            rows.chunks_exact(from)
+                .flat_map(|row| row[..kept].iter().copied().chain(std::iter::repeat_n(with, to - kept)))
+                .collect()
+        }
+        if places != self.places {
+            self.joints = relaid(&self.joints, self.places * self.n, places * self.n, f64::NAN);
+            self.codes = relaid(&self.codes, self.places, places, NAMELESS);
+            self.within = relaid(&self.within, self.places, places, false);
+            self.places = places;
+        }
+    }
 }
 
 /// The work, with the interpreter unlocked where there is much of it.
@@ -216,12 +262,12 @@ impl Chain {
 
     /// Joint values that reach poses, one after the other; the next pose is sought next to the solution of the one before.
     fn ik<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>, near: Option<Vec<f64>>) -> PyResult<Branches<'py>> {
-        let poses = Configurations::of(poses, 16)?;
-        let (matrices, count) = (poses.values()?.as_chunks::<16>().0, poses.count());
+        let poses = Matrices::of("poses", poses)?;
+        let matrices = poses.each()?;
+        let count = matrices.len();
         let n = self.compiled.coordinates();
         let solver = self.solver.get_or_init(|| Solver::new(&self.chain));
-        let (mut joints, mut codes, mut within) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut counts, mut reached) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut rows = Rows::new(count, n);
         worked(py, count, || {
             let (mut solutions, mut from) = (Solutions::default(), near.unwrap_or_else(|| vec![0.0; n]));
             for matrix in matrices {
@@ -229,27 +275,17 @@ impl Chain {
                 if let Some((joints, _)) = solutions.iter().next().filter(|_| solutions.reached()) {
                     from.copy_from_slice(joints);
                 }
-                let before = codes.len();
-                for (found, of) in solutions.iter() {
-                    joints.extend_from_slice(found);
-                    codes.push(code(of.branch));
-                    within.push(of.within_limits && solutions.reached());
-                }
-                counts.push(codes.len() - before);
-                reached.push(solutions.reached());
+                rows.push(&solutions);
             }
         });
-        let most = counts.iter().copied().max().unwrap_or(0);
-        let joints = padded(joints, &counts, most, n, f64::NAN);
-        let codes = padded(codes, &counts, most, 1, NAMELESS);
-        let within = padded(within, &counts, most, 1, false);
-        let method = solver.method().to_string();
+        rows.relay(rows.most);
+        let Rows { joints, codes, within, reached, most, .. } = rows;
         Ok((
-            PyArray1::from_vec(py, joints).reshape([count, most, n])?,
-            PyArray1::from_vec(py, codes).reshape([count, most])?,
-            PyArray1::from_vec(py, within).reshape([count, most])?,
-            PyArray1::from_vec(py, reached),
-            method,
+            PyArray1::from_vec(py, joints).reshape(poses.shape(&[most, n]))?,
+            PyArray1::from_vec(py, codes).reshape(poses.shape(&[most]))?,
+            PyArray1::from_vec(py, within).reshape(poses.shape(&[most]))?,
+            PyArray1::from_vec(py, reached).reshape(poses.shape(&[]))?,
+            self.method.get_or_init(|| solver.method().to_string()).clone(),
         ))
     }
 

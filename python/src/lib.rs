@@ -40,7 +40,7 @@ mod _denavit {
     #[pymodule_export]
     use crate::measured::{Fit, calibrate};
     #[pymodule_export]
-    use crate::poses::check_poses;
+    use crate::poses::pose_matrices;
     #[pymodule_export]
     use crate::robot::{Robot, quaternion, read_text, rpy};
     #[pymodule_export]

@@ -1,27 +1,63 @@
 //! Homogeneous matrices, row by row.
 
-use crate::arrays::Configurations;
+use crate::arrays::{contiguous, shape_words};
 use crate::errors::argument;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Pose, se3};
+use numpy::{PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
+use std::ops::Deref as _;
 
 /// A rotation's products of columns may be off by this: matrices that are written with three digits are.
 const NO_ROTATION: f64 = 5e-3;
 
-/// An argument error where `matrices`, sixteen numbers each, are no poses.
+/// One or many homogeneous matrices: the last two axes are theirs.
+pub struct Matrices<'py> {
+    array: PyReadonlyArrayDyn<'py, f64>,
+}
+
+impl<'py> Matrices<'py> {
+    /// An argument error where what is called `name` has another shape, or is no pose.
+    pub fn of(name: &str, given: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let own = given.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous());
+        let array = match own {
+            Some(array) => array.clone(),
+            None => contiguous(given).map_err(|error| argument(format!("{name} is no array of numbers ({error})")))?,
+        };
+        if !array.shape().ends_with(&[4, 4]) {
+            let shape = shape_words(array.shape());
+            return Err(argument(format!("{name} has shape {shape}; give homogeneous matrices, shape (..., 4, 4)")));
+        }
+        let array = array.try_readonly().map_err(|error| argument(format!("{name}: {error}")))?;
+        let matrices = Self { array };
+        let each = matrices.each()?;
+        if !each.as_flattened().iter().all(|value| value.is_finite()) {
+            return Err(argument(format!("{name} has a number that is not finite")));
+        }
+        if !each.iter().all(is_rotation) {
+            let what = "the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles";
+            return Err(argument(what));
+        }
+        Ok(matrices)
+    }
+
+    /// The sixteen numbers of each, row by row.
+    pub fn each(&self) -> PyResult<&[[f64; 16]]> {
+        let values = self.array.as_slice().map_err(|error| argument(format!("poses: {error}")))?;
+        Ok(values.as_chunks::<16>().0)
+    }
+
+    /// The array's shape without its last two axes, then `more`.
+    pub fn shape(&self, more: &[usize]) -> Vec<usize> {
+        let shape = self.array.shape();
+        [&shape[..shape.len() - 2], more].concat()
+    }
+}
+
+/// Homogeneous matrices as an array of shape `(..., 4, 4)`; an argument error where they are none.
 #[pyfunction]
-pub fn check_poses(name: &str, matrices: &Bound<'_, PyAny>) -> PyResult<()> {
-    let matrices = Configurations::of(matrices, 16)?;
-    let values = matrices.values()?;
-    if !values.iter().all(|value| value.is_finite()) {
-        return Err(argument(format!("{name} has a number that is not finite")));
-    }
-    if !values.as_chunks::<16>().0.iter().all(is_rotation) {
-        let what = "the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles";
-        return Err(argument(what));
-    }
-    Ok(())
+pub fn pose_matrices<'py>(name: &str, poses: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    Ok(Matrices::of(name, poses)?.array.deref().clone())
 }
 
 fn is_rotation(matrix: &[f64; 16]) -> bool {

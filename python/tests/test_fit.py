@@ -446,6 +446,15 @@ def running() -> int:
     return sum(1 for _ in Path("/proc/self/task").iterdir()) if sys.platform.startswith("linux") else 0
 
 
+def at_rest() -> int:
+    """Threads once those of earlier tests have ended: the number that stays for half a second."""
+    counts = [running()]
+    while len(counts) < 50 or len(set(counts[-50:])) > 1:
+        time.sleep(0.01)
+        counts.append(running())
+    return counts[-1]
+
+
 def comes_back_to(threads: int) -> bool:
     """Whether only so many are left at last: the system counts a thread for a moment after it was joined."""
     for _ in range(500):
@@ -459,7 +468,7 @@ def test_an_interrupt_ends_a_fit_at_once_and_leaves_nothing_running(drawn: dn.Ch
     run = drawn.simulate(600, seed=1, effect=["joint_compliance@elbow_joint=0.1mm"]).data
     main = threading.main_thread().ident
     assert main is not None
-    threads = running()
+    threads = at_rest()
     waits = []
     # A program that was started in the background has Ctrl-C switched off.
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -305,6 +305,37 @@ fn an_instrument_that_was_placed_anew_before_the_test_is_named() {
     assert_eq!(found["placed_anew"]["moved"][0]["what"], "instrument");
 }
 
+/// A lifting column that tilts in its guide, with accelerometers on it: the tilt is named, and what is left at other postures is a
+/// quarter.
+#[test]
+fn the_recorded_tilt_of_a_real_lifting_column_is_named() {
+    let folder = top().join("../shared/measured/hilti_jaibot");
+    if !folder.is_dir() {
+        println!("skipped, because the measurements of others (../shared/measured) are not beside this clone");
+        return;
+    }
+    let trial = Trial::new();
+    let (names, rows) = cells(&std::fs::read_to_string(folder.join("flat.csv")).unwrap());
+    let [fitted, others] = [true, false].map(|fitted| {
+        rows.iter().enumerate().filter(|(k, _)| (k % 5 == 0) == fitted).map(|(_, row)| row.clone()).collect::<Vec<_>>()
+    });
+    std::fs::write(trial.path("fitted.csv"), joined(&names, &fitted)).unwrap();
+    std::fs::write(trial.path("others.csv"), joined(&names, &others)).unwrap();
+    let robot = folder.join("trailblazer.urdf");
+    let run = trial.run(&format!("calibrate {} --data fitted.csv --test others.csv --json", robot.display()));
+    let found: Value = serde_json::from_str(&run.succeeded()).unwrap();
+    let stages = found["stages"].as_array().unwrap();
+    let error = |name: &str| {
+        let stage = stages.iter().find(|stage| stage["name"] == name).unwrap();
+        stage["test"]["position_rms_m"].as_f64().unwrap()
+    };
+    assert!(error("averaged") < 0.25 * error("geometric"), "{} {}", error("averaged"), error("geometric"));
+    let named = |effect: &Value| {
+        effect["kind"] == "tilt" && effect["joint"] == "column_middle_joint" && effect["covariate"] == "tilt_column_x"
+    };
+    assert!(found["effects"].as_array().unwrap().iter().any(named), "{}", found["effects"]);
+}
+
 /// Draws of rows from real robots are treated alike, whichever rows they are.
 #[test]
 fn draws_of_few_rows_from_real_robots_are_treated_alike() {

@@ -2,6 +2,7 @@
 
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, Screw, se3};
+use std::f64::consts::PI;
 
 /// An angle (rad) with its sine and cosine, which closed forms know before the angle.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +35,13 @@ impl Angle {
             sine: self.sine * other.cosine + self.cosine * other.sine,
             cosine: self.cosine * other.cosine - self.sine * other.sine,
         }
+    }
+
+    /// Half a turn from here, within half a turn of 0 if this is.
+    #[inline]
+    pub fn opposite(self) -> Self {
+        let by = if self.value > 0.0 { -PI } else { PI };
+        Self { value: self.value + by, sine: -self.sine, cosine: -self.cosine }
     }
 }
 

@@ -39,35 +39,54 @@ pub(crate) const SLACK: f64 = 0.15;
 /// The same for an arm that is exactly of its class: rounding.
 pub(crate) const EXACT: f64 = 1e-9;
 
-/// The angles with a·(cos, sin) = k; where none has, the nearest if it misses by less than `slack` of |a|.
-///
-/// Where a is 0 every angle will do, and 0 is returned.
-///
-/// # Source
-/// Subproblem 4 of Elias, Wen, "IK-Geo", 2022; Paden 1986.
+/// The angles with a·(cos, sin) = k; see [`Line::at`].
 pub(crate) fn on_line(a: Vector2<f64>, k: f64, slack: f64) -> Few<Angle, 2> {
-    let mut angles = Few::new(Angle::ZERO);
-    let length = a.norm();
-    if length == 0.0 {
-        angles.push(Angle::ZERO);
-        return angles;
+    Line::of(a).at(k, slack)
+}
+
+/// The left side of a·(cos, sin) = k, for one k after another.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    length: f64,
+    /// Of a.
+    direction: Angle,
+}
+
+impl Line {
+    pub fn of(a: Vector2<f64>) -> Self {
+        Self { length: a.norm(), direction: Angle::of(a.y, a.x) }
     }
-    let middle = Angle { value: a.y.atan2(a.x), sine: a.y / length, cosine: a.x / length };
-    let left = length * length - k * k;
-    if left > 0.0 {
-        let half = Angle::of(left.sqrt(), k);
-        angles.push(middle.plus(half));
-        angles.push(middle.plus(-half));
-    } else if k.abs() <= length * (1.0 + slack) {
-        let nearest = if k > 0.0 { middle.value } else { middle.value + PI };
-        // An arm that is not quite the drawn one may have two angles here: as far apart as those that are missing.
-        let half = if slack > EXACT { (2.0 * (k.abs() / length - 1.0)).sqrt().max(1e-3) } else { 0.0 };
-        angles.push(Angle::at(nearest + half));
-        if half > 0.0 {
-            angles.push(Angle::at(nearest - half));
+
+    /// The angles with a·(cos, sin) = k; where none has, the nearest if it misses by less than `slack` of |a|. Two lie on either side
+    /// of the direction of a, equally far.
+    ///
+    /// Where a is 0 every angle will do, and 0 is returned.
+    ///
+    /// # Source
+    /// Subproblem 4 of Elias, Wen, "IK-Geo", 2022; Paden 1986.
+    pub fn at(&self, k: f64, slack: f64) -> Few<Angle, 2> {
+        let Self { length, direction } = *self;
+        let mut angles = Few::new(Angle::ZERO);
+        if length == 0.0 {
+            angles.push(Angle::ZERO);
+            return angles;
         }
+        let left = length * length - k * k;
+        if left > 0.0 {
+            let half = Angle::of(left.sqrt(), k);
+            angles.push(direction.plus(half));
+            angles.push(direction.plus(-half));
+        } else if k.abs() <= length * (1.0 + slack) {
+            let nearest = if k > 0.0 { direction.value } else { direction.value + PI };
+            // An arm that is not quite the drawn one may have two angles here: as far apart as those that are missing.
+            let half = if slack > EXACT { (2.0 * (k.abs() / length - 1.0)).sqrt().max(1e-3) } else { 0.0 };
+            angles.push(Angle::at(nearest + half));
+            if half > 0.0 {
+                angles.push(Angle::at(nearest - half));
+            }
+        }
+        angles
     }
-    angles
 }
 
 /// A row of the two equations: a·x + b·y = k with x, y on the unit circle.
@@ -139,10 +158,11 @@ fn one_alone(a: &Matrix2<f64>, b: &Matrix2<f64>, k: &Vector2<f64>, slack: f64) -
     let size = longer.norm_squared();
     let share = if size == 0.0 { 0.0 } else { shorter.dot(&longer) / size };
     let alone = b.row(of_shorter).transpose() - b.row(of_longer).transpose() * share;
+    let of_x = Line::of(longer);
     for y in on_line(alone, k[of_shorter] - share * k[of_longer], slack).as_slice() {
         let at = Vector2::new(y.cosine, y.sine);
         let rest = k[of_longer] - b.row(of_longer).transpose().dot(&at);
-        for x in on_line(longer, rest, slack).as_slice() {
+        for x in of_x.at(rest, slack).as_slice() {
             result.push((*x, *y));
         }
     }

@@ -3,6 +3,7 @@
 use crate::arm::{Angle, Axis, SixR};
 use denavit_model::nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Pose, se3};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A step of more than this, rad, is shortened: beyond it the linear model says nothing.
 const LONGEST_STEP: f64 = 0.5;
@@ -41,41 +42,74 @@ pub(crate) struct Landed {
     pub orientation: f64,
     /// The distance that is left, as a share of the size.
     pub position: f64,
-    /// The axes there, in the base frame.
-    pub axes: [Axis; 6],
     /// The smallest pivot of the Jacobian of the last step, near 0 near a singularity; 1 where no step was needed.
     pub pivot: f64,
 }
 
-/// An arm at joint values: its axes in the base frame, and base_from_tip.
-#[inline]
-fn placed(arm: &SixR, angles: &[Angle; 6]) -> ([Axis; 6], Pose) {
-    let mut axes = arm.axes;
-    let mut turn = Rotation3::identity();
-    let mut shift = Vector3::zeros();
-    for ((placed, axis), angle) in axes.iter_mut().zip(&arm.axes).zip(angles) {
-        placed.direction = turn * axis.direction;
-        placed.point = turn * axis.point + shift;
-        turn *= axis.rotation(*angle);
-        // The axis does not move.
-        shift = placed.point - turn * axis.point;
+/// An arm at joint values: its axes in the base frame, and what each joint has moved.
+///
+/// Solutions of a pose share their first joint values, and what those move is not computed again.
+pub(crate) struct Placed<'a> {
+    arm: &'a SixR,
+    angles: [Angle; 6],
+    axes: [Axis; 6],
+    /// base_from_moved behind no joint, behind the first, and so on.
+    behind: [(Rotation3<f64>, Vector3<f64>); 7],
+}
+
+impl<'a> Placed<'a> {
+    /// The arm at home.
+    pub fn new(arm: &'a SixR) -> Self {
+        let behind = [(Rotation3::identity(), Vector3::zeros()); 7];
+        Self { arm, angles: [Angle::ZERO; 6], axes: arm.axes, behind }
     }
-    (axes, se3::pose(turn, shift) * arm.home)
+
+    /// The axes where the arm is.
+    pub fn axes(&self) -> &[Axis; 6] {
+        &self.axes
+    }
+
+    /// Takes the arm to joint values; base_from_tip there.
+    #[inline]
+    fn go(&mut self, angles: &[Angle; 6]) -> Pose {
+        let same = |(a, b): &(&Angle, &Angle)| a.value.to_bits() == b.value.to_bits();
+        let first = angles.iter().zip(&self.angles).take_while(same).count();
+        for k in first..6 {
+            let (axis, (turn, shift)) = (&self.arm.axes[k], self.behind[k]);
+            let point = turn * axis.point + shift;
+            self.axes[k] = Axis { direction: turn * axis.direction, point };
+            let turn = turn * axis.rotation(angles[k]);
+            // The axis does not move.
+            self.behind[k + 1] = (turn, point - turn * axis.point);
+        }
+        self.angles = *angles;
+        let (turn, shift) = self.behind[6];
+        se3::pose(turn, shift) * self.arm.home
+    }
+}
+
+/// Angle (rad) and distance (share of the size) between two poses, the angle by its chord: exact where it is small.
+#[inline]
+fn gap(target: &Pose, reached: &Pose, size: f64) -> (f64, f64) {
+    // |R1 - R2| = 2 √2 sin(θ/2)
+    let chord = (target.rotation.matrix() - reached.rotation.matrix()).norm() * FRAC_1_SQRT_2;
+    (chord, (target.translation.vector - reached.translation.vector).norm() / size)
 }
 
 /// Refines joint values of a six-joint arm; `None` where the error that is left is more than `close`.
-pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, angles: &mut [Angle; 6], close: f64) -> Option<Landed> {
+pub(crate) fn refine(
+    placed: &mut Placed<'_>,
+    target: &Pose,
+    size: f64,
+    angles: &mut [Angle; 6],
+    close: f64,
+) -> Option<Landed> {
     let (mut last, mut pivot) = (f64::INFINITY, 1.0);
     for _ in 0..MOST_STEPS {
-        let (axes, reached) = placed(arm, angles);
-        let error = error(target, &reached, size);
-        let now = error.norm();
-        let landed = |pivot| Landed {
-            orientation: error.fixed_rows::<3>(0).norm(),
-            position: error.fixed_rows::<3>(3).norm(),
-            axes,
-            pivot,
-        };
+        let reached = placed.go(angles);
+        let (orientation, position) = gap(target, &reached, size);
+        let now = (orientation * orientation + position * position).sqrt();
+        let landed = |pivot| Landed { orientation, position, pivot };
         // Rounding alone is left, or the error no longer falls at the end.
         if now < ROUNDING || (now < close && now >= 0.5 * last) {
             return Some(landed(pivot));
@@ -83,11 +117,11 @@ pub(crate) fn refine(arm: &SixR, target: &Pose, size: f64, angles: &mut [Angle; 
         last = now;
         let tip = reached.translation.vector;
         let mut jacobian = Matrix6::zeros();
-        for (k, axis) in axes.iter().enumerate() {
+        for (k, axis) in placed.axes.iter().enumerate() {
             jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&axis.direction);
             jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&(axis.direction.cross(&(tip - axis.point)) / size));
         }
-        let mut step = error;
+        let mut step = error(target, &reached, size);
         let factors = jacobian.lu();
         if !factors.solve_mut(&mut step) {
             return (now < close).then(|| landed(0.0));

@@ -1,11 +1,11 @@
 //! Arms whose joints 2, 3 and 4 are parallel: what they do together is a motion of a plane.
 
 use crate::arm::{Angle, SixR, rotated, turn_between};
-use crate::circles::{Few, Row, on_line, pairs, turned_dot};
+use crate::circles::{Row, on_line, pairs, turned_dot};
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Vector2, Vector3};
 
-/// All joint values (rad) at which `arm` reaches `target`, and near misses for Newton's method.
+/// Calls `found` with all joint values (rad) at which `arm` reaches `target`, and near misses for Newton's method.
 ///
 /// With u the common direction, E = e2 e3 e4 and D = target · home⁻¹: e1⁻¹ D = E e5 e6. E keeps u and the height along u, so
 ///
@@ -14,8 +14,7 @@ use denavit_model::nalgebra::{Vector2, Vector3};
 /// u·(e1⁻¹ D p6)      = u·(e5 p6)           (height of a point of axis 6)
 /// ```
 /// hold joints 1 and 5 alone ([`pairs`]). Joint 6 takes R5⁻¹ u to D⁻¹ R1 u; joints 2, 3 and 4 are a planar arm.
-pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[Angle; 6], 8> {
-    let mut found = Few::new([Angle::ZERO; 6]);
+pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64, mut found: impl FnMut(&[Angle; 6])) {
     let [one, two, three, four, five, six] = &arm.axes;
     let u = two.direction;
     let moved = target * arm.home.inverse();
@@ -58,8 +57,7 @@ pub(crate) fn solve(arm: &SixR, target: &Pose, slack: f64) -> Few<[Angle; 6], 8>
             let second = turn_between(&u, &(upper + rotated(&u, *third, &fore)), &reach);
             let fourth = whole.plus(-second.plus(*third));
             let sensed = |angle: Angle, sense: f64| if sense < 0.0 { -angle } else { angle };
-            found.push([*v1, second, sensed(*third, senses[0]), sensed(fourth, senses[1]), *v5, v6]);
+            found(&[*v1, second, sensed(*third, senses[0]), sensed(fourth, senses[1]), *v5, v6]);
         }
     }
-    found
 }

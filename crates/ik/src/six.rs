@@ -1,11 +1,11 @@
 //! Every branch of six revolute joints: those of the drawn arm, carried to the arm as it is.
 
-use crate::arm::{Angle, SixR};
+use crate::arm::{Angle, Axis, SixR};
 use crate::branch::Branch;
 use crate::circles::{EXACT, Few, SLACK};
 use crate::class::{Class, Drawn};
 use crate::general::{Candidates, Elimination, INDEPENDENT, Order, REGULAR};
-use crate::newton::Landed;
+use crate::newton::{Landed, Placed};
 use crate::solver::{REACHED, STEPS};
 use crate::{newton, parallel, wrist};
 use denavit_model::Pose;
@@ -76,14 +76,6 @@ impl Six {
         let reversed = self.drawn.is_reversed();
         let seen = if reversed { target.inverse() } else { *target };
         let is_wrist = matches!(self.drawn.class, Class::SphericalWrist | Class::SphericalShoulder);
-        let found = match self.drawn.class {
-            Class::SphericalWrist | Class::SphericalShoulder => wrist::solve(&self.drawn.arm, &seen, self.slack),
-            Class::ParallelShoulder | Class::ParallelWrist => parallel::solve(&self.drawn.arm, &seen, self.slack),
-            Class::General => {
-                self.eliminate(target, size, 0, |values, landed| add(values, None, landed));
-                return tally;
-            }
-        };
         let turned = |angles: &[Angle; 6]| {
             let mut angles = *angles;
             if reversed {
@@ -93,21 +85,29 @@ impl Six {
             angles
         };
         let exact = self.slack <= EXACT;
-        let named = |landed: &Landed| {
-            let [a, b, c, d, e, f] = &landed.axes;
+        let named = |[a, b, c, d, e, f]: &[Axis; 6]| {
             Some(Branch::of(if reversed { [f, e, d, c, b, a] } else { [a, b, c, d, e, f] }, is_wrist))
         };
         let (mut failed, mut reached, mut smallest) =
             (Few::<[Angle; 6], 8>::new([Angle::ZERO; 6]), 0u32, f64::INFINITY);
-        for values in found.as_slice() {
+        let mut placed = Placed::new(&self.arm);
+        let each = |values: &[Angle; 6]| {
             let mut there = turned(values);
-            if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED)
-                && add(&values_of(&there), named(&landed), &landed)
+            if let Some(landed) = newton::refine(&mut placed, target, size, &mut there, REACHED)
+                && add(&values_of(&there), named(placed.axes()), &landed)
             {
                 reached += 1;
                 smallest = smallest.min(landed.pivot);
             } else {
                 failed.push(*values);
+            }
+        };
+        match self.drawn.class {
+            Class::SphericalWrist | Class::SphericalShoulder => wrist::solve(&self.drawn.arm, &seen, self.slack, each),
+            Class::ParallelShoulder | Class::ParallelWrist => parallel::solve(&self.drawn.arm, &seen, self.slack, each),
+            Class::General => {
+                self.eliminate(target, size, 0, |values, _, landed| add(values, None, landed));
+                return tally;
             }
         }
         // Near a singularity a branch of the real arm lies far from that of the drawn one, or is there where the drawn arm has none:
@@ -119,8 +119,8 @@ impl Six {
             |values: &&[Angle; 6]| newton::error(&seen, &self.drawn.arm.fk(&values_of(values)), size).norm() < 1e-6;
         let expected = failed.as_slice().iter().filter(drawn_reaches).count();
         let mut new = 0;
-        let mut add = |values: &[f64; 6], landed: &Landed| {
-            let is_new = add(values, named(landed), landed);
+        let mut add = |values: &[f64; 6], axes: &[Axis; 6], landed: &Landed| {
+            let is_new = add(values, named(axes), landed);
             new += usize::from(is_new);
             is_new
         };
@@ -137,29 +137,43 @@ impl Six {
 
     /// Newton's method from many starts around the values of a branch: all of them, as where two singularities meet the arm may have
     /// four branches instead of two.
-    fn around(&self, target: &Pose, size: f64, values: &[Angle; 6], add: &mut impl FnMut(&[f64; 6], &Landed) -> bool) {
+    fn around(
+        &self,
+        target: &Pose,
+        size: f64,
+        values: &[Angle; 6],
+        add: &mut impl FnMut(&[f64; 6], &[Axis; 6], &Landed) -> bool,
+    ) {
+        let mut placed = Placed::new(&self.arm);
         for k in 0..AROUND {
             let mut there = *values;
             for (joint, angle) in there.iter_mut().enumerate() {
                 let by = NEARBY[k as usize % 2] * (2.0 * (0.5 + f64::from(k) * STEPS[joint]).fract() - 1.0);
                 *angle = Angle::at(angle.value + by);
             }
-            if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
-                add(&values_of(&there), &landed);
+            if let Some(landed) = newton::refine(&mut placed, target, size, &mut there, REACHED) {
+                add(&values_of(&there), placed.axes(), &landed);
             }
         }
     }
 
     /// Adds what elimination finds to the solutions that are `known`; `add` tells whether a solution is new.
-    fn eliminate(&self, target: &Pose, size: f64, known: usize, mut add: impl FnMut(&[f64; 6], &Landed) -> bool) {
+    fn eliminate(
+        &self,
+        target: &Pose,
+        size: f64,
+        known: usize,
+        mut add: impl FnMut(&[f64; 6], &[Axis; 6], &Landed) -> bool,
+    ) {
         let Some(Eliminations { own, near, dependent }) = &self.general else { return };
+        let mut placed = Placed::new(&self.arm);
         // How many are new, and how far the farthest solution lies from where its candidate was; `None` without solutions.
         let mut refined = |candidates: &Candidates| {
             let (mut new, mut farthest) = (0, None::<f64>);
             for values in candidates.joints.as_slice() {
                 let mut there = values.map(Angle::at);
-                if let Some(landed) = newton::refine(&self.arm, target, size, &mut there, REACHED) {
-                    new += usize::from(add(&values_of(&there), &landed));
+                if let Some(landed) = newton::refine(&mut placed, target, size, &mut there, REACHED) {
+                    new += usize::from(add(&values_of(&there), placed.axes(), &landed));
                     farthest = Some(farthest.unwrap_or(0.0).max(apart(&values_of(&there), values)));
                 }
             }
@@ -224,9 +238,10 @@ fn error(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -
 /// Whether a posture is among the solutions of its own pose.
 fn finds(elimination: &Elimination, arm: &SixR, size: f64, posture: &[f64; 6]) -> bool {
     let target = arm.fk(posture);
+    let mut placed = Placed::new(arm);
     elimination.solve(&target, size).joints.as_slice().iter().any(|values| {
         let mut there = values.map(Angle::at);
-        let landed = newton::refine(arm, &target, size, &mut there, REACHED);
+        let landed = newton::refine(&mut placed, &target, size, &mut there, REACHED);
         landed.is_some() && apart(&values_of(&there), posture) < SAME_POSTURE
     })
 }

@@ -6,7 +6,7 @@ use crate::class::Class;
 use crate::newton::Landed;
 use crate::six::Six;
 use crate::{newton, seven};
-use denavit_model::chain::Quantity;
+use denavit_model::chain::{ChainJoint, Coordinate, Quantity};
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, Pose, Screw, se3};
 use std::f64::consts::TAU;
@@ -93,7 +93,8 @@ pub struct Solutions {
     columns: Vec<Vector6<f64>>,
     trial: Vec<f64>,
     start: Vec<f64>,
-    ranks: Vec<(u8, f64)>,
+    ranks: Vec<Rank>,
+    sorted: (Vec<f64>, Vec<Found>),
 }
 
 impl Solutions {
@@ -134,6 +135,52 @@ impl Solutions {
     }
 }
 
+/// The values of a coordinate that stand for the same posture.
+#[derive(Debug, Clone)]
+struct Wrap {
+    quantity: Quantity,
+    /// What a whole turn of its joint adds, rad; `None` where a joint slides or is a helix.
+    turn: Option<f64>,
+    /// Its limits, endless where it has none.
+    limits: (f64, f64),
+}
+
+impl Wrap {
+    fn of(coordinate: &Coordinate, joint: &ChainJoint) -> Self {
+        let turns = coordinate.quantity == Quantity::Angle && matches!(joint.screw, Screw::Revolute(_));
+        let limits = coordinate.limits.interval().filter(|_| !coordinate.continuous);
+        Self {
+            quantity: coordinate.quantity,
+            turn: turns.then(|| TAU / joint.scale.abs()),
+            limits: limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
+        }
+    }
+
+    #[inline]
+    fn holds(&self, q: f64) -> bool {
+        q >= self.limits.0 - SAME && q <= self.limits.1 + SAME
+    }
+
+    /// The value by whole turns next to `near`, within the limits if there is such a turn.
+    #[inline]
+    fn nearest(&self, q: f64, near: f64) -> f64 {
+        let Some(turn) = self.turn else { return q };
+        let apart = q - near;
+        let turns = match apart.abs() / turn {
+            few if few <= 0.5 => 0.0,
+            few if few < 1.5 => 1.0f64.copysign(apart),
+            _ => (apart / turn).round(),
+        };
+        let nearest = q - turns * turn;
+        if self.holds(nearest) {
+            return nearest;
+        }
+        let first = ((self.limits.0 - SAME - nearest) / turn).ceil();
+        let last = ((self.limits.1 + SAME - nearest) / turn).floor();
+        if first > last { nearest } else { nearest + 0.0f64.clamp(first, last) * turn }
+    }
+}
+
 #[derive(Debug, Clone)]
 enum Strategy {
     Six(Box<Six>),
@@ -157,6 +204,8 @@ enum Strategy {
 pub struct Solver {
     chain: Chain,
     size: f64,
+    /// Of each coordinate.
+    wraps: Vec<Wrap>,
     strategy: Strategy,
     method: Method,
 }
@@ -174,7 +223,8 @@ impl Solver {
         } else {
             (Strategy::Search, Method::Search)
         };
-        Self { chain: chain.clone(), size, strategy, method }
+        let wraps = chain.coordinates().iter().zip(chain.joints()).map(|(of, joint)| Wrap::of(of, joint)).collect();
+        Self { chain: chain.clone(), size, wraps, strategy, method }
     }
 
     /// How solutions are found for this chain.
@@ -260,10 +310,14 @@ impl Solver {
         solutions: &mut Solutions,
     ) -> bool {
         let at = solutions.joints.len();
-        for (k, joint) in self.chain.joints().iter().enumerate() {
-            let q = (values[k] - joint.offset) / joint.scale;
-            solutions.joints.push(self.unwound(k, q, near[k], joint.scale));
-        }
+        solutions.joints.extend(
+            values
+                .iter()
+                .zip(near)
+                .zip(self.chain.joints())
+                .zip(&self.wraps)
+                .map(|(((value, near), joint), wrap)| wrap.nearest((value - joint.offset) / joint.scale, *near)),
+        );
         self.keep((landed.orientation, landed.position * self.size), at, near.len(), branch, solutions)
     }
 
@@ -278,7 +332,7 @@ impl Solver {
     ) -> bool {
         let (before, new) = solutions.joints.split_at(at);
         let same = |old: &[f64]| {
-            old.iter().zip(new).zip(self.chain.coordinates()).all(|((a, b), coordinate)| match coordinate.quantity {
+            old.iter().zip(new).zip(&self.wraps).all(|((a, b), wrap)| match wrap.quantity {
                 // Values lie within a turn of each other where no limits move them apart.
                 Quantity::Angle if (a - b).abs() < TAU - SAME => (a - b).abs() < SAME,
                 Quantity::Angle => {
@@ -299,28 +353,7 @@ impl Solver {
     }
 
     fn within_limits(&self, q: &[f64]) -> bool {
-        q.iter().zip(self.chain.coordinates()).all(|(q, coordinate)| {
-            let inside = |(lower, upper): (f64, f64)| *q >= lower - SAME && *q <= upper + SAME;
-            coordinate.continuous || coordinate.limits.interval().is_none_or(inside)
-        })
-    }
-
-    /// The value of coordinate k by whole turns next to `near`, within its limits if there is such a turn.
-    fn unwound(&self, k: usize, q: f64, near: f64, scale: f64) -> f64 {
-        let coordinate = &self.chain.coordinates()[k];
-        let turns = matches!(self.chain.joints()[k].screw, Screw::Revolute(_));
-        if coordinate.quantity != Quantity::Angle || !turns {
-            return q;
-        }
-        let turn = TAU / scale.abs();
-        let apart = q - near;
-        let nearest = if apart.abs() <= 0.5 * turn { q } else { q - (apart / turn).round() * turn };
-        let Some((lower, upper)) = coordinate.limits.interval().filter(|_| !coordinate.continuous) else {
-            return nearest;
-        };
-        let first = ((lower - SAME - nearest) / turn).ceil();
-        let last = ((upper + SAME - nearest) / turn).floor();
-        if first > last { nearest } else { nearest + 0.0f64.clamp(first, last) * turn }
+        q.iter().zip(&self.wraps).all(|(q, wrap)| wrap.holds(*q))
     }
 
     fn seven(&self, parameter: usize, target: &Pose, near: &[f64], solutions: &mut Solutions) {
@@ -374,8 +407,8 @@ impl Solver {
                 // Mimic joints share a coordinate: only a chain without them turns whole turns freely.
                 let joints = self.chain.joints();
                 if joints.len() == n && joints.iter().enumerate().all(|(k, joint)| joint.coordinate == k) {
-                    for (k, joint) in joints.iter().enumerate() {
-                        solutions.joints[at + k] = self.unwound(k, solutions.joints[at + k], near[k], joint.scale);
+                    for ((q, near), wrap) in solutions.joints[at..].iter_mut().zip(near).zip(&self.wraps) {
+                        *q = wrap.nearest(*q, *near);
                     }
                 }
                 let errors = se3::difference(&self.chain.fk(&solutions.joints[at..]), target);
@@ -441,21 +474,37 @@ pub(crate) const STEPS: [f64; 8] = [
 /// Within limits first, then the least greatest change of a joint.
 fn sort(near: &[f64], solutions: &mut Solutions) {
     let n = near.len();
-    let Solutions { joints, found, ranks, .. } = solutions;
+    let Solutions { joints, found, ranks, sorted, .. } = solutions;
     ranks.clear();
-    ranks.extend(joints.chunks_exact(n).zip(found.iter()).map(|(joints, found)| {
+    for (place, (joints, found)) in joints.chunks_exact(n).zip(found.iter()).enumerate() {
         let farthest = joints.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        (u8::from(!found.within_limits), farthest)
-    }));
-    // Insertion sort: a handful of items, and no allocation.
-    for i in 1..found.len() {
-        let mut j = i;
-        while j > 0 && ranks[j - 1] > ranks[j] {
+        ranks.push(Rank { outside: !found.within_limits, farthest, place });
+        // Insertion sort: a handful of items, and no allocation.
+        let mut j = place;
+        while j > 0 && ranks[j - 1].is_behind(&ranks[j]) {
             ranks.swap(j - 1, j);
-            found.swap(j - 1, j);
-            let (before, after) = joints.split_at_mut(j * n);
-            before[(j - 1) * n..].swap_with_slice(&mut after[..n]);
             j -= 1;
         }
+    }
+    let (before, founds) = sorted;
+    before.clone_from(joints);
+    founds.clone_from(found);
+    for (to, Rank { place, .. }) in ranks.iter().enumerate() {
+        joints[to * n..][..n].copy_from_slice(&before[place * n..][..n]);
+        found[to] = founds[*place];
+    }
+}
+
+/// What solutions are sorted by, and where one stood before.
+#[derive(Debug, Clone, Copy)]
+struct Rank {
+    outside: bool,
+    farthest: f64,
+    place: usize,
+}
+
+impl Rank {
+    fn is_behind(&self, other: &Self) -> bool {
+        (self.outside, self.farthest) > (other.outside, other.farthest)
     }
 }
