@@ -92,6 +92,15 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
             && text.contains("there is more unexplained structure")
     );
     assert!(text.contains("Structure without a name") && text.contains("What remains follows joint_2 40 %"));
+
+    // An alternative that is likelier than what the model has stands first, and its advice is given.
+    let trace = result.trace.as_mut().unwrap();
+    trace.findings[0].probability = 0.1;
+    trace.findings[0].rivals[0].probability = 0.83;
+    let report = denavit_calibrate::report::findings::findings(trace);
+    assert!(report.contains("one of: joint_scale at joint_3 (83 %), transmission_error at joint_3 (10 %)"), "{report}");
+    assert!(report.contains("included in the model as transmission_error at joint_3, cause uncertain"), "{report}");
+    assert!(report.contains("check encoder and gear ratio") && !report.contains("errs periodically"), "{report}");
 }
 
 #[test]

@@ -21,10 +21,8 @@ fn probability(p: f64) -> String {
     }
 }
 
-fn rivals(finding: &Finding) -> Vec<String> {
-    let rival =
-        |rival: &Alternative| format!("{} at {} ({})", rival.kind.name(), rival.place, percent(rival.probability));
-    finding.rivals.iter().map(rival).collect()
+fn alternative(rival: &Alternative) -> String {
+    format!("{} at {}", rival.kind.name(), rival.place)
 }
 
 /// Kind, place and what it follows.
@@ -37,6 +35,18 @@ fn title(finding: &Finding, trace: &Trace) -> String {
         let _ = write!(title, ", with {name}");
     }
     title
+}
+
+/// Titles with their probabilities.
+fn listed(all: &[(f64, String)]) -> String {
+    all.iter().map(|(probability, title)| format!("{title} ({})", percent(*probability))).collect::<Vec<_>>().join(", ")
+}
+
+/// The likeliest kind of all that an effect may be.
+fn likeliest(finding: &Finding) -> Kind {
+    let above = finding.rivals.iter().filter(|rival| rival.probability > finding.probability);
+    let best = above.max_by(|a, b| a.probability.total_cmp(&b.probability));
+    best.filter(|_| !finding.named).map_or(finding.term.kind, |rival| rival.kind)
 }
 
 /// A probability that is nearly 1 or nearly 0 is not written as if it were.
@@ -65,19 +75,23 @@ pub struct Said {
 
 /// A finding in the words of the report.
 pub fn said(finding: &Finding, trace: &Trace) -> Said {
-    let (rivals, own) = (rivals(finding), title(finding, trace));
+    let own = title(finding, trace);
+    let rival = |rival: &Alternative| (rival.probability, alternative(rival));
+    let mut all: Vec<(f64, String)> = finding.rivals.iter().map(rival).collect();
     let again = match finding.found_again {
         share if share <= 0.0 => "selected in no half-sample refit".to_owned(),
         share if share >= 1.0 => "selected in all half-sample refits".to_owned(),
         share => format!("selected in {} of half-sample refits", percent(share)),
     };
     let (title, why, rivals) = if finding.named {
-        let rivals = (!rivals.is_empty()).then(|| format!("alternatives: {}", rivals.join(", ")));
+        let rivals = (!all.is_empty()).then(|| format!("alternatives: {}", listed(&all)));
         (own, format!("probability {}, {again}", percent(finding.probability)), rivals)
     } else {
-        let alone = if rivals.is_empty() { "perhaps" } else { "one of" };
-        let own = format!("{own} ({})", percent(finding.probability));
-        let all: Vec<String> = std::iter::once(own).chain(rivals).collect();
+        let alone = if all.is_empty() { "perhaps" } else { "one of" };
+        // The likeliest first, whichever of them the model has.
+        all.insert(0, (finding.probability, own.clone()));
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let model = if all[0].1 == own { "the model".to_owned() } else { format!("the model as {own}") };
         let beside = if finding.stands_in() {
             "; unexplained structure may account for as much"
         } else if finding.is_outweighed() {
@@ -85,11 +99,7 @@ pub fn said(finding: &Finding, trace: &Trace) -> Said {
         } else {
             ""
         };
-        (
-            format!("{alone}: {}", all.join(", ")),
-            format!("included in the model, cause uncertain: {again}{beside}"),
-            None,
-        )
+        (format!("{alone}: {}", listed(&all)), format!("included in {model}, cause uncertain: {again}{beside}"), None)
     };
     Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }
 }
@@ -176,7 +186,7 @@ pub fn findings(trace: &Trace) -> String {
         if let Some(rivals) = rivals {
             let _ = writeln!(text, "      {rivals}");
         }
-        let _ = writeln!(text, "      {}", advice(finding.term.kind));
+        let _ = writeln!(text, "      {}", advice(likeliest(finding)));
     }
     text + &ending(trace) + "\n"
 }
