@@ -6,15 +6,14 @@
 
 Arms: makers' URDF, three factory-calibrated arms of Universal Robots (../shared/vendor), random axes. A solution counts if it
 reaches the pose within 1e-6 (rad, share of the size); columns of solutions are means per pose. `lost` counts postures that are not among
-the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: processor time of one
-thread per pose, all branches: ours in a loop of Rust; `chain.ik` of our Python package, EAIK's batch call, which makes a Python object
-per pose, and ssik's Python call. `one` is the same with one pose a call (ssik has no batch). `none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
+the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: one thread
+per pose, all branches, the quickest of passes that take turns: ours in a loop of Rust; `chain.ik` of our Python package, EAIK's batch
+call, which makes a Python object per pose. ssik's Python call once. `one` is the same with one pose a call (ssik has no batch). `none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
 Packages: numpy, pin, EAIK, ssik, denavit (a release build of python/).
 """
 
 import argparse
 import contextlib
-import resource
 import signal
 import subprocess
 import sys
@@ -28,11 +27,11 @@ TOP = Path(__file__).resolve().parents[2]
 SHARED = TOP.parent / "shared/vendor"
 REACHED = 1e-6
 SAME = 1e-4
-# Passes over the poses; the quickest counts, as other programs make the others slower.
-TIMES = 3
-# Passes of ours in a run, beside the one whose solutions are compared.
-MORE = 4
-# Where one pass takes longer (s of processor time), it is passed over once more and not TIMES by MORE.
+# Passes over the poses, in turns; the quickest counts, as other programs and the processor's clock make the others slower.
+TURNS = 15
+# Passes of ours in Rust in a run, beside the one whose solutions are compared.
+MORE = 10
+# Where one pass takes longer (s), there is one turn.
 LONG = 0.5
 # Poses that are solved one a call.
 ONES = 1000
@@ -166,7 +165,7 @@ def arms():
 
 
 def eaik(arm, rotations, places):
-    """Solutions (index, joints) and µs a pose; None where EAIK says that it has no decomposition."""
+    """Solutions (index, joints) and calls to be timed; None where EAIK says that it has no decomposition."""
     from eaik.IK_HP import HPRobot
 
     # Offsets from axis to axis, and from the last to the tip, as EAIK takes them.
@@ -177,44 +176,43 @@ def eaik(arm, rotations, places):
     targets = np.tile(np.eye(4), (len(places), 1, 1))
     # EAIK's tip is turned as the base at zero.
     targets[:, :3, :3], targets[:, :3, 3] = rotations @ arm.home[:3, :3].T, places
-    spent = []
-    for _ in range(TIMES):
-        begun = time.process_time()
-        found = robot.IK_batched(targets, 1)
-        spent.append(time.process_time() - begun)
-    micros = min(spent) / len(targets) * 1e6, micros_of_one(robot.IK, targets)
+    found = robot.IK_batched(targets, 1)
     pairs = [(at, q) for at, one in enumerate(found) for q in np.atleast_2d(one.Q) if q.size]
-    return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs]).reshape(-1, 6), micros
+    calls = lambda: robot.IK_batched(targets, 1), one_by_one(robot.IK, targets)  # noqa: E731
+    return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs]).reshape(-1, 6), calls
 
 
-def micros_of_one(solve, targets):
-    """µs a pose with one pose a call: of the first ones, the quickest pass."""
+def one_by_one(solve, targets):
+    """A call with one pose after another, of the first ones."""
     few = [np.ascontiguousarray(target) for target in targets[:ONES]]
-    spent = []
-    for _ in range(TIMES):
-        begun = time.process_time()
-        for target in few:
-            solve(target)
-        spent.append(time.process_time() - begun)
-    return min(spent) / len(few) * 1e6
+    return lambda: [solve(target) for target in few]
+
+
+def seconds(call):
+    begun = time.perf_counter()
+    call()
+    return time.perf_counter() - begun
+
+
+def in_turns(calls):
+    """The least seconds of each call; in turns, so that none has the machine in a better hour."""
+    least = [seconds(call) for call in calls]
+    for _ in range(0 if max(least, default=0) > LONG else TURNS):
+        least = [min(before, seconds(call)) for before, call in zip(least, calls, strict=True)]
+    return least
 
 
 def in_python(arm, rotations, places, folder):
-    """Solutions (index, joints) and µs a pose of `chain.ik`, all poses in a call and one a call."""
+    """Solutions (index, joints) of `chain.ik`, and calls to be timed: all poses at once and one by one."""
     import denavit
 
     (folder / "arm.urdf").write_text(arm.urdf())
     chain = denavit.load(str(folder / "arm.urdf")).chain("base", "tip")
     targets = np.tile(np.eye(4), (len(places), 1, 1))
     targets[:, :3, :3], targets[:, :3, 3] = rotations, places
-    chain.ik(targets[0])
-    spent = []
-    for _ in range(TIMES):
-        begun = time.process_time()
-        found = chain.ik(targets)
-        spent.append(time.process_time() - begun)
+    found = chain.ik(targets)
     there = np.isfinite(found.q[..., 0]) & found.reached[:, None]
-    return np.nonzero(there)[0], found.q[there], (min(spent) / len(targets) * 1e6, micros_of_one(chain.ik, targets))
+    return np.nonzero(there)[0], found.q[there], (lambda: chain.ik(targets), one_by_one(chain.ik, targets))
 
 
 def ours(arm, q, program, folder):
@@ -222,22 +220,17 @@ def ours(arm, q, program, folder):
     q.astype("<f8").tofile(folder / "poses.bin")
 
     def run(times):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         words = [program, folder / "arm.txt", folder / "poses.bin", folder / "solutions.bin", str(times)]
-        method = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
-        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, method
+        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
 
-    # The difference is the solver's time alone, without the start and the files.
-    once, method = run(0)
-    times, more = (1, 1) if once > LONG else (TIMES, MORE)
-    once = min([once, *(run(0)[0] for _ in range(times - 1))])
-    micros = (min(run(more)[0] for _ in range(times)) - once) / more / len(q) * 1e6
+    method = run(0)
     rows = np.fromfile(folder / "solutions.bin", "<f8").reshape(-1, arm.n + 1)
-    return rows[:, 0].astype(int), rows[:, 1:], micros, method
+    # The difference of the two is the solver's time alone, without the start and the files.
+    return rows[:, 0].astype(int), rows[:, 1:], (lambda: run(0), lambda: run(MORE)), method
 
 
 def ssik(arm, rotations, places, folder):
-    """Solutions (index, joints) and µs a pose of ssik's Python solver."""
+    """Solutions (index, joints) of ssik's Python solver, and what is to be timed: what it took."""
     import ssik
 
     (folder / "arm.urdf").write_text(arm.urdf())
@@ -245,9 +238,8 @@ def ssik(arm, rotations, places, folder):
     targets = np.tile(np.eye(4), (len(places), 1, 1))
     targets[:, :3, :3], targets[:, :3, 3] = rotations, places
     robot.solve(targets[0])
-    begun = time.process_time()
-    found = [robot.solve(target) for target in targets]
-    micros = (time.process_time() - begun) / len(targets) * 1e6, None
+    found: list[object] = []
+    micros = seconds(lambda: found.extend(robot.solve(target) for target in targets)) / len(targets) * 1e6
     pairs = [(at, one.q) for at, all_ in enumerate(found) for one in all_]
     return np.array([at for at, _ in pairs], int), np.array([q for _, q in pairs], float).reshape(-1, 6), micros
 
@@ -319,27 +311,35 @@ def main():
                 continue
             q = np.random.default_rng(7).uniform(-np.pi, np.pi, (options.poses, arm.n))
             rotations, places = arm.fk(q)
-            index, solutions, micros, method = ours(arm, q, program, Path(made))
+            index, solutions, calls, method = ours(arm, q, program, Path(made))
             index, solutions = reaching(arm, index, solutions, rotations, places)
             lost = absent(np.arange(len(q)), q, index, solutions)
-            row = f"| {name} | {method} | {len(index) / len(q):.3f} | {micros:.2f} | {lost.sum()} |"
             peers = [("denavit in Python", len(q), lambda n: in_python(arm, rotations[:n], places[:n], Path(made)))]
             peers += [("EAIK", len(q), lambda n: eaik(arm, rotations[:n], places[:n])), ("ssik", options.peer_poses, lambda n: ssik(arm, rotations[:n], places[:n], Path(made)))]
+            answers = []
             for peer, count, solve in peers:
                 try:
                     with at_most(PATIENCE):
-                        found = solve(count)
+                        answers.append((count, solve(count)))
                 except Exception as problem:  # noqa: BLE001, a peer's failure is a result
                     print(f"{name}: {peer}: {str(problem)[:200]}", file=sys.stderr)
-                    found = None
+                    answers.append((count, None))
+            calls = [*calls, *(call for _, found in answers[:2] if found for call in found[2])]
+            start, rust, *rest = in_turns(calls)
+            row = f"| {name} | {method} | {len(index) / len(q):.3f} | {(rust - start) / MORE / len(q) * 1e6:.2f} | {lost.sum()} |"
+            for count, found in answers:
                 if found is None:
                     row += " none | | | | |"
                     continue
                 at, theirs = reaching(arm, found[0], found[1], rotations, places)
                 own = index < count
                 missed, they_miss = absent(at, theirs, index, solutions).sum(), absent(index[own], solutions[own], at, theirs).sum()
-                batch, one = found[2]
-                row += f" {len(at) / count:.3f} | {batch:.1f} | {'' if one is None else f'{one:.1f}'} | {missed} | {they_miss} |"
+                if isinstance(found[2], float):
+                    times = f"{found[2]:.1f} |"
+                else:
+                    batch, one, *rest = rest
+                    times = f"{batch / count * 1e6:.1f} | {one / min(count, ONES) * 1e6:.1f}"
+                row += f" {len(at) / count:.3f} | {times} | {missed} | {they_miss} |"
             print(row, flush=True)
 
 
