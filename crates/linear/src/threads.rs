@@ -50,11 +50,37 @@ fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
     if count <= 1 || rayon::current_thread_index().is_some() {
         return work();
     }
+    let (mut work, mut result) = (Some(work), None);
+    on_new_threads(count, &mut || result = work.take().map(|work| work()));
+    result.expect("the work was done")
+}
+
+/// Work of whatever type, done once: what starts threads is compiled once, and not for each kind of work.
+type Work<'a> = dyn FnMut() + Send + 'a;
+
+fn on_new_threads(count: usize, work: &mut Work) {
     match rayon::ThreadPoolBuilder::new().num_threads(count).stack_size(STACK).build() {
         Ok(threads) => threads.install(carried(work)),
         // The system gives no more threads.
         Err(_) => on_this_thread(work),
     }
+}
+
+fn side_by_side(one: &mut Work, other: &mut Work) {
+    with_threads(|| rayon::join(one, carried(other)));
+}
+
+/// Does the work on this many threads at one time. All have ended before a panic continues: none of them runs when the caller is told.
+fn on_each_of(threads: usize, work: &(dyn Fn() + Sync)) {
+    on_threads(threads, || {
+        rayon::scope(|scope| {
+            for _ in 1..threads {
+                let share = carried(work);
+                scope.spawn(|_| share());
+            }
+            work();
+        });
+    });
 }
 
 /// The work done on each item, in the order of the items.
@@ -103,7 +129,10 @@ pub fn join<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce
     if available() == 1 {
         return (one(), other());
     }
-    with_threads(|| rayon::join(one, carried(other)))
+    let (mut one, mut first) = (Some(one), None);
+    let (mut other, mut second) = (Some(other), None);
+    side_by_side(&mut || first = one.take().map(|work| work()), &mut || second = other.take().map(|work| work()));
+    first.zip(second).expect("both were done")
 }
 
 /// The work done on stretches of this many rows, in their order; each thread begins with what `start` makes.
@@ -146,19 +175,14 @@ pub fn par_map<I: Iterator + Send, S, R: Send>(
         }
         done.lock().expect("adding results does not panic").append(&mut some);
     };
-    // All have ended before a panic continues: none of them runs when the caller is told.
-    on_threads(threads, || {
-        rayon::scope(|scope| {
-            for _ in 1..threads {
-                let share = carried(&deal);
-                scope.spawn(|_| share());
-            }
-            deal();
-        });
-    });
-    let mut done = done.into_inner().expect("adding results does not panic");
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, result)| result).collect()
+    on_each_of(threads, &deal);
+    let done = done.into_inner().expect("adding results does not panic");
+    let mut in_order: Vec<Option<R>> = Vec::new();
+    in_order.resize_with(done.len(), || None);
+    for (index, result) in done {
+        in_order[index] = Some(result);
+    }
+    in_order.into_iter().map(|result| result.expect("each item is dealt out once")).collect()
 }
 
 /// What is in a cell; where there is nothing, it is made. Threads that come at one time may each make it: none waits for another, which may
