@@ -21,7 +21,8 @@ ROBOTS = WORKSPACE / "robots"
 VENDOR = WORKSPACE.parent / "shared/vendor"
 SHOTS = WORKSPACE / "target/tests/explorer"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = """--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
+# WebGL is drawn by SwiftShader, the page itself by the processor at once: by SwiftShader it takes twice as long.
+FLAGS = """--no-sandbox --disable-gpu-compositing --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
 --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
 DESKTOP = {"width": 1360, "height": 860}
 PHONE = {"width": 360, "height": 740}
