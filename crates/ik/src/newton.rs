@@ -74,11 +74,11 @@ impl<'a> Placed<'a> {
     fn go(&mut self, angles: &[Angle; 6]) -> Pose {
         let same = |(a, b): &(&Angle, &Angle)| a.value.to_bits() == b.value.to_bits();
         let first = angles.iter().zip(&self.angles).take_while(same).count();
-        for k in first..6 {
+        for (k, angle) in angles.iter().enumerate().skip(first) {
             let (axis, (turn, shift)) = (&self.arm.axes[k], self.behind[k]);
             let point = turn * axis.point + shift;
             self.axes[k] = Axis { direction: turn * axis.direction, point };
-            let turn = turn * axis.rotation(angles[k]);
+            let turn = turn * axis.rotation(*angle);
             // The axis does not move.
             self.behind[k + 1] = (turn, point - turn * axis.point);
         }
