@@ -17,7 +17,13 @@ from denavit.view import PAGE
 TOP = Path(__file__).resolve().parents[2]
 UR5E = TOP / "robots/universal_robots/ur5e.urdf"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = ["--no-sandbox", "--disable-gpu-compositing", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu-compositing",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+]
 
 built = pytest.mark.skipif(not PAGE.is_file(), reason="skipped, because the wheel has no explorer (web/build)")
 in_browser = pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed")
