@@ -18,9 +18,8 @@ pub struct Configurations<'py> {
 impl<'py> Configurations<'py> {
     /// An array of f64 that lies in order is taken as it is; what else numpy can make one of is copied.
     pub fn of(q: &Bound<'py, PyAny>, coordinates: usize) -> PyResult<Self> {
-        let own = q.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous());
-        let array = match own {
-            Some(array) => array.clone(),
+        let array = match in_order(q) {
+            Some(array) => array,
             None => unnamed(q)?,
         };
         let last = array.shape().last().copied();
@@ -60,6 +59,11 @@ pub fn shape_words(shape: &[usize]) -> String {
         [one] => format!("({one},)"),
         several => format!("({})", several.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
     }
+}
+
+/// An array of f64 that lies in order, as it is.
+pub fn in_order<'py>(given: &Bound<'py, PyAny>) -> Option<Bound<'py, PyArrayDyn<f64>>> {
+    given.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous()).cloned()
 }
 
 /// An array without names of columns.

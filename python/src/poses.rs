@@ -1,6 +1,6 @@
 //! Homogeneous matrices, row by row.
 
-use crate::arrays::{contiguous, shape_words};
+use crate::arrays::{contiguous, in_order, shape_words};
 use crate::errors::argument;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Pose, se3};
@@ -19,9 +19,8 @@ pub struct Matrices<'py> {
 impl<'py> Matrices<'py> {
     /// An argument error where what is called `name` has another shape, or is no pose.
     pub fn of(name: &str, given: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let own = given.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous());
-        let array = match own {
-            Some(array) => array.clone(),
+        let array = match in_order(given) {
+            Some(array) => array,
             None => contiguous(given).map_err(|error| argument(format!("{name} is no array of numbers ({error})")))?,
         };
         if !array.shape().ends_with(&[4, 4]) {

@@ -31,8 +31,8 @@ SAME = 1e-4
 TURNS = 15
 # Passes of ours in Rust in a run, beside the one whose solutions are compared.
 MORE = 10
-# Where one pass takes longer (s), there is one turn.
-LONG = 0.5
+# Where a call takes longer (s), there is one turn: arms of the general class.
+LONG = 2.0
 # Poses that are solved one a call.
 ONES = 1000
 # Processor time of a peer on one arm, s.

@@ -4,6 +4,7 @@ use super::Trial;
 use crate::support::{Run, robot, top};
 use serde_json::Value;
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Rows of a file of measurements, its header apart.
@@ -26,6 +27,16 @@ fn changed(text: &str, column: &str, change: impl Fn(f64) -> f64) -> String {
 fn joined(names: &[String], rows: &[Vec<String>]) -> String {
     let lines = std::iter::once(names.join(",")).chain(rows.iter().map(|row| row.join(",")));
     lines.map(|line| line + "\n").collect()
+}
+
+/// The folder of measured sets; where it is not beside this clone, that the test is skipped is printed.
+fn measured_by_others() -> Option<PathBuf> {
+    let folder = top().join("../shared/measured");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("skipped, because the measurements of others (../shared/measured) are not beside this clone");
+    None
 }
 
 fn simulated(trial: &Trial, options: &str) -> String {
@@ -309,11 +320,8 @@ fn an_instrument_that_was_placed_anew_before_the_test_is_named() {
 /// quarter.
 #[test]
 fn the_recorded_tilt_of_a_real_lifting_column_is_named() {
-    let folder = top().join("../shared/measured/hilti_jaibot");
-    if !folder.is_dir() {
-        println!("skipped, because the measurements of others (../shared/measured) are not beside this clone");
-        return;
-    }
+    let Some(folder) = measured_by_others() else { return };
+    let folder = folder.join("hilti_jaibot");
     let trial = Trial::new();
     let (names, rows) = cells(&std::fs::read_to_string(folder.join("flat.csv")).unwrap());
     let [fitted, others] = [true, false].map(|fitted| {
@@ -339,11 +347,7 @@ fn the_recorded_tilt_of_a_real_lifting_column_is_named() {
 /// Draws of rows from real robots are treated alike, whichever rows they are.
 #[test]
 fn draws_of_few_rows_from_real_robots_are_treated_alike() {
-    let folder = top().join("../shared/measured");
-    if !folder.is_dir() {
-        println!("skipped, because the measurements of others (../shared/measured) are not beside this clone");
-        return;
-    }
+    let Some(folder) = measured_by_others() else { return };
     let at = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     let trial = Trial::new();
     let sets = [

@@ -21,10 +21,6 @@ fn probability(p: f64) -> String {
     }
 }
 
-fn alternative(rival: &Alternative) -> String {
-    format!("{} at {}", rival.kind.name(), rival.place)
-}
-
 /// Kind, place and what it follows.
 fn title(finding: &Finding, trace: &Trace) -> String {
     let mut title = format!("{} at {}", finding.term.kind.name(), finding.place);
@@ -76,7 +72,7 @@ pub struct Said {
 /// A finding in the words of the report.
 pub fn said(finding: &Finding, trace: &Trace) -> Said {
     let own = title(finding, trace);
-    let rival = |rival: &Alternative| (rival.probability, alternative(rival));
+    let rival = |rival: &Alternative| (rival.probability, format!("{} at {}", rival.kind.name(), rival.place));
     let mut all: Vec<(f64, String)> = finding.rivals.iter().map(rival).collect();
     let again = match finding.found_again {
         share if share <= 0.0 => "selected in no half-sample refit".to_owned(),
