@@ -39,7 +39,7 @@ class SearchGiven(TypedDict):
     pitches: list[str]
     zeros: list[str]
     effects: list[str]
-    max_effects: int
+    max_effects: int | None
     mass: float | None
     gear_ratios: list[str]
     prior: tuple[str, str] | None

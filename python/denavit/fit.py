@@ -264,7 +264,7 @@ def calibrate(
     socket: Mapping[str, Measurements] | None = None,
     distance: Sequence[str] = (),
     effects: Literal["auto", "curves", "none"] | Sequence[str] | None = "auto",
-    max_effects: int = 8,
+    max_effects: int | None = None,
     mass: float | None = None,
     scales: Iterable[str] | Literal["all"] = (),
     pitches: Iterable[str] | Literal["all"] = (),
@@ -293,7 +293,7 @@ def calibrate(
             sure one is may follow as ``+-0.1mm``.
         effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
             of the joints alone), or ``None``.
-        max_effects: No more effects than this.
+        max_effects: No more effects than this; by default as many as the data ask for.
         mass: Mass of all moving links, kg, as on the data sheet, where the description has no masses.
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
@@ -343,7 +343,7 @@ def calibrate(
         "pitches": _words(pitches),
         "zeros": _words(zeros),
         "effects": ["none"] if effects is None else _words(effects),
-        "max_effects": whole("max_effects", max_effects),
+        "max_effects": None if max_effects is None else whole("max_effects", max_effects),
         "mass": None if mass is None else number("mass", mass),
         "gear_ratios": [f"{joint}={number(f'gear_ratio[{joint!r}]', ratio)!r}" for joint, ratio in (gear_ratio or {}).items()],
         "prior": earlier(prior),

@@ -44,7 +44,7 @@ pub struct SearchGiven {
     pitches: Vec<String>,
     zeros: Vec<String>,
     effects: Vec<String>,
-    max_effects: usize,
+    max_effects: Option<usize>,
     mass: Option<f64>,
     gear_ratios: Vec<String>,
     prior: Option<(String, String)>,

@@ -61,3 +61,18 @@ fn a_robot_that_waits_for_a_reference_has_not_passed() {
     assert_eq!(tests.matches("<skipped message=\"not tested: ").count(), 2, "{tests}");
     assert!(trial.text("night.md").contains("Not tested: 2 robots"), "{}", trial.text("night.md"));
 }
+
+/// The arm's description has masses: that a total is refused shows that it came as far as the fit.
+#[test]
+fn a_mass_of_the_manifest_reaches_the_fit() {
+    let trial = plant(1);
+    std::fs::copy(trial.path("data.csv"), trial.path("cut.csv")).unwrap();
+    trial.run("fleet run plant.csv -o store").succeeded();
+    assert_eq!(trial.run("fleet run plant.csv -o store --set mass=0").code, 2);
+    let heavy = trial.run("fleet run plant.csv -o store --set mass=30");
+    assert!(heavy.stdout.contains("2 done now, 0 were there, 2 failed"), "{}{}", heavy.stdout, heavy.stderr);
+    let refused = trial.run("calibrate arm.urdf --data data.csv --effects none --mass 30");
+    let why = refused.stderr.trim().trim_start_matches("error: ");
+    assert!(refused.code == 2 && heavy.stdout.contains(why), "{why}: {}", heavy.stdout);
+    assert!(trial.run("fleet run plant.csv -o store").succeeded().contains("0 done now, 2 were there"));
+}

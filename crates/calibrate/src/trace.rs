@@ -50,8 +50,8 @@ pub struct TraceOptions {
     pub identify: IdentifyOptions,
     /// Kinds to look for; empty: all.
     pub kinds: Vec<Kind>,
-    /// No more effects than this.
-    pub max_effects: usize,
+    /// No more effects than this; without it as many as the data ask for.
+    pub max_effects: Option<usize>,
     /// Motor turns per joint turn, joint by joint, where known.
     pub gear_ratios: Vec<Option<f64>>,
     /// Share of clean files in which an effect may be claimed.
@@ -65,12 +65,12 @@ pub struct TraceOptions {
 }
 
 impl TraceOptions {
-    /// All kinds, eight effects at most, one false claim in two hundred clean files.
+    /// All kinds, one false claim in two hundred clean files.
     pub fn new(identify: IdentifyOptions) -> Self {
         Self {
             identify,
             kinds: Vec::new(),
-            max_effects: 8,
+            max_effects: None,
             gear_ratios: Vec::new(),
             false_claims: 0.005,
             curves: CurveOptions::default(),

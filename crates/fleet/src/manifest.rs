@@ -113,7 +113,11 @@ pub struct TaskOptions {
     /// `auto`, `none`, `curves`, or kinds of effects.
     pub effects: Vec<String>,
     /// No more effects than this.
-    pub max_effects: usize,
+    pub max_effects: Option<usize>,
+    /// Mass of all moving links, kg, for a description without masses.
+    // What was not asked for is not part of a run's key, so that finished runs of before stay known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
     /// Share of the rows to hold out.
     pub hold_out: Option<f64>,
     /// Of the choice of rows held out.
@@ -144,6 +148,7 @@ pub const WORDS: &[&str] = &[
     "units",
     "effects",
     "max_effects",
+    "mass",
     "hold_out",
     "seed",
     "tolerance",
@@ -303,6 +308,12 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
         let split = text.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
         split.ok_or_else(|| wrong(format!("\"{text}\" is no argument of a xacro file; write NAME:=VALUE")))
     };
+    let mass = word("mass").map(|_| number("mass", 0.0)).transpose()?;
+    if mass == Some(0.0) {
+        return Err(wrong("mass is that of all moving links in kg; write a number above 0".into()));
+    }
+    let max_effects = word("max_effects").map(|_| count("max_effects", 0)).transpose()?;
+    let max_effects = max_effects.map(|most| usize::try_from(most).unwrap_or(usize::MAX));
     let hold_out = word("hold_out").map(|_| number("hold_out", 0.0)).transpose()?.filter(|share| *share > 0.0);
     if hold_out.is_some_and(|share| share >= 1.0) {
         return Err(wrong("hold_out is a share of the rows; write a number between 0 and 1".into()));
@@ -322,7 +333,8 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
             tip: word("tip").map(str::to_owned),
             units: word("units").unwrap_or("m,rad").to_owned(),
             effects: Some(list("effects")).filter(|list| !list.is_empty()).unwrap_or_else(|| vec!["auto".into()]),
-            max_effects: usize::try_from(count("max_effects", 8)?).unwrap_or(usize::MAX),
+            max_effects,
+            mass,
             hold_out,
             seed: count("seed", 0)?,
             tolerance: number("tolerance", denavit_compare::fingerprint::DEFAULT_TOLERANCE)?,

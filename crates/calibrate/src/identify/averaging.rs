@@ -85,10 +85,8 @@ pub struct Named<'a> {
     pub fit: &'a Fit<EffectModel>,
     /// Its error curves, and what was expected of their waves.
     pub curves: &'a [HeldCurve<'a>],
-    /// How many of its numbers are of causes that were searched for.
-    pub chosen: usize,
-    /// Among how many candidates.
-    pub candidates: usize,
+    /// What the choice of its causes gains by chance, in units of the noise's variance.
+    pub chance: f64,
 }
 
 /// A robot averaged over everything that may act.
@@ -361,8 +359,8 @@ impl Averager<'_> {
         Some(at)
     }
 
-    /// Root mean square, m for each axis, of what postures are off by that this model of all the others predicts, with what a search among
-    /// this many candidates gains by chance (risk inflation: 2 ln p σ² a number, Foster, George 1994). `plain`: geometry alone.
+    /// Root mean square, m for each axis, of what postures are off by that this model of all the others predicts, with what the choice of its
+    /// causes gains by chance. `plain`: geometry alone.
     fn named(&self, named: &Named<'_>, plain: &At) -> Option<f64> {
         let mut numbers = self.terms.model.numbers();
         let geometry = self.terms.families.iter().take_while(|family| family.is_of_geometry()).count();
@@ -378,8 +376,7 @@ impl Averager<'_> {
         let left = self.left_out(&at)?.1;
         let channels = self.data.scene.channels.iter().zip(noise).filter(|(channel, _)| channel.unit == "m");
         let noise = channels.map(|(_, level)| level * level).fold(0.0, f64::max);
-        let chance = 2.0 * (named.candidates.max(1) as f64).ln() * named.chosen as f64 * noise / values(&left);
-        Some((mean_square(&left) + chance).sqrt())
+        Some((mean_square(&left) + named.chance * noise / values(&left)).sqrt())
     }
 
     /// The averaged prediction, and where geometry alone comes to stand.

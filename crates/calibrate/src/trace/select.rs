@@ -47,6 +47,9 @@ const PROPOSED: usize = 24;
 const PROMISE_AT_END: f64 = 1e-2;
 /// So many effects may hide behind rejected rows.
 const MOST_LOCAL: usize = 3;
+/// Effects that the search takes step by step: with what comes near them and could be added there are candidates enough. How many act says the
+/// judgement.
+const STEPPED: usize = 8;
 /// Pull of a rejected row that comes back, in units of the noise.
 const BOUNDED: f64 = 4.0;
 /// Where structure is left that no entry explains, an effect that explains less than this share of it is spurious and not named.
@@ -239,7 +242,8 @@ impl<'a> Tracer<'a> {
             state = next;
         }
         let mut scan = Vec::new();
-        while state.chosen.len() < self.options.max_effects {
+        let most = self.options.max_effects.map_or(STEPPED, |most| most.min(STEPPED));
+        while state.chosen.len() < most {
             let Some(next) = self.asked_for(&state, &mut scan) else { break };
             let before = state.clone();
             state = self.pruned(self.added(&state, &next));

@@ -115,7 +115,7 @@ pub(crate) fn trace(
         judge(&tracer.survey, part, &state.fit, &geometric.arm, &question)
     };
     let mut judged: Vec<Judged> = judged.into_iter().filter(Judged::kept).collect();
-    judged.truncate(options.max_effects);
+    judged.truncate(options.max_effects.unwrap_or(usize::MAX));
     // In the order of the search: a model that it ended with need not be fitted again.
     let order = &found.states[0].chosen;
     judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));

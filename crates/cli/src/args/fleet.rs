@@ -42,7 +42,7 @@ pub enum FleetCommand {
 
 const RUN_EXAMPLES: &str = "\
 The manifest is CSV with a row per robot and night (serial,robot,data,date, and task, event, test, against, base, tip, units, \
-effects, max_effects, hold_out, seed, tolerance, tolerance_m, tolerance_rad, prior, arguments), TOML with the same words in [defaults] \
+effects, max_effects, mass, hold_out, seed, tolerance, tolerance_m, tolerance_rad, prior, arguments), TOML with the same words in [defaults] \
 and [[robots]], or a pattern of folders with {serial} and {date}. Paths are taken from the manifest's folder; several files of \
 data are joined by ;. Without a task, rows with data are calibrated and rows without get their table.
 

@@ -125,9 +125,9 @@ pub struct CalibrateArguments {
     /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',', help_heading = FIT)]
     pub effects: Vec<String>,
-    /// Number of effects at most
-    #[arg(long, value_name = "N", default_value_t = 8, help_heading = FIT)]
-    pub max_effects: usize,
+    /// Number of effects at most; without it as many as the data ask for
+    #[arg(long, value_name = "N", help_heading = FIT)]
+    pub max_effects: Option<usize>,
     /// Mass of all moving links (data sheet), for a description without masses
     #[arg(long, value_name = "KG", help_heading = FIT)]
     pub mass: Option<f64>,

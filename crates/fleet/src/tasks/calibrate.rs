@@ -34,6 +34,7 @@ pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {
         prior,
         effects: options.effects.clone(),
         max_effects: options.max_effects,
+        mass: options.mass,
         hold_out: options.hold_out.filter(|_| entry.test.is_none()).map(|share| HoldOut { share, seed: options.seed }),
         ..SearchAsked::default()
     };

@@ -23,7 +23,7 @@ pub struct SearchAsked {
     /// `none`, `curves`, `auto` (all kinds, and predict by averaging), or kinds of effects.
     pub effects: Vec<String>,
     /// No more effects than this.
-    pub max_effects: usize,
+    pub max_effects: Option<usize>,
     /// Mass of all links from the first joint on, kg, where the description has none.
     pub mass: Option<f64>,
     /// Motor turns per joint turn: `NAME=RATIO`.

@@ -109,7 +109,7 @@ pub(crate) fn fit_curves_near(
     near: &[Curve],
 ) -> CurveFit {
     let (with, begun) = with_deflections(survey, data, fit, reference, options, near);
-    let state = State::new(survey, data, &with);
+    let state = State { causes: fit.effects.effects.len(), ..State::new(survey, data, &with) };
     let found = until_converged(data, state, reference, options, begun.as_ref(), near);
     let found = found.filter(|found| !found.state.joints.is_empty());
     let found = found.and_then(|found| found.finish(data, reference, fit.effects.effects.len()));
@@ -186,7 +186,7 @@ fn with_deflections(
 ) -> (Fit<EffectModel>, Option<Hyperparameters>) {
     let Some(all) = deflection::all(survey, fit) else { return (fit.clone(), None) };
     let first = fit.effects.effects.len();
-    let state = State::new(survey, data, &all);
+    let state = State { causes: first, ..State::new(survey, data, &all) };
     let round = Round::new(data, &state, reference);
     let blocks = deflection::columns(round.always, &all.effects, first);
     let least = (blocks.len() as f64 / options.false_curves).ln();
@@ -199,6 +199,8 @@ fn with_deflections(
 /// The model at one point of the iteration.
 pub(super) struct State {
     pub(super) fit: Fit<EffectModel>,
+    /// How many of its effects are causes; what joints give under gravity comes after them.
+    causes: usize,
     /// Joints that have a curve.
     pub(super) joints: Vec<usize>,
     pub(super) waves: Vec<Waves>,
@@ -231,6 +233,7 @@ impl State {
             ranges: joints.iter().map(|&joint| survey.ranges[joint]).collect(),
             readings: joints.iter().map(reading).collect(),
             groups: replicates::groups(data),
+            causes: fit.effects.effects.len(),
             fit: fit.clone(),
             joints,
         }
@@ -431,7 +434,7 @@ impl Round {
                 *y += x * at[*row];
             }
         }
-        let expected = if candidates.is_none() { deflection::expected(&fit.effects) } else { Vec::new() };
+        let expected = if candidates.is_none() { deflection::expected(&fit.effects, state.causes) } else { Vec::new() };
         let (precision, pull, charge, log_precision) = prior(&linear, &fit, reference, &plain, &expected);
         let visible: Vec<f64> = joints
             .iter()

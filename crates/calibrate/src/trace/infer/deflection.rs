@@ -76,15 +76,13 @@ pub(super) enum Expected {
     OrAsNow(f64),
 }
 
-/// What is expected of the numbers of all effects.
-pub(super) fn expected(model: &EffectModel) -> Vec<Expected> {
+/// What is expected of the numbers of all effects, of which the first so many are causes; deflections come after them.
+pub(super) fn expected(model: &EffectModel, causes: usize) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
-    let of = |effect: &Effect, now: f64| match &effect.term.driver {
-        Driver::TorqueTerms { .. } => Expected::UnitInformation(of_gravity),
-        _ => Expected::OrAsNow(now),
-    };
-    let numbers = |effect: &Effect| effect.coefficients.iter().map(|now| of(effect, *now)).collect::<Vec<_>>();
-    model.effects.iter().flat_map(numbers).collect()
+    let (causes, deflections) = model.effects.split_at(causes.min(model.effects.len()));
+    let of_causes = causes.iter().flat_map(|effect| &effect.coefficients).map(|now| Expected::OrAsNow(*now));
+    let of_deflections = deflections.iter().flat_map(|effect| &effect.coefficients);
+    of_causes.chain(of_deflections.map(|_| Expected::UnitInformation(of_gravity))).collect()
 }
 
 /// Columns of each effect from number `first` of the model on, where so many of geometry and frames come first.
