@@ -543,23 +543,8 @@ fn averaging(
     let findings = || found.iter().flat_map(|found| &found.findings);
     let causes: Vec<Term> = findings().filter(|finding| finding.named).map(|finding| finding.term.clone()).collect();
     let curves = before.map_or_else(Vec::new, |before| held_curves(&before.fit.effects.curves));
-    let named = before.map(|before| Named {
-        fit: &before.fit,
-        curves: &curves,
-        chance: found.map_or(0.0, |found| found.findings.iter().map(|one| by_chance(one, found, statics)).sum()),
-    });
+    let named = before.map(|before| Named { fit: &before.fit, curves: &curves });
     averaged(statics, train, identification, options, (&causes, named))
-}
-
-/// What choosing an effect gains by chance, in units of the noise's variance: 2 ln m a number, of m that could have been chosen (risk inflation,
-/// Foster, George 1994). One that is sure had no rival, one of several had those, and one that stands in for what has no name had all.
-fn by_chance(finding: &Finding, found: &Trace, statics: &Statics) -> f64 {
-    let among = match finding {
-        _ if finding.named => 1,
-        _ if finding.stands_in() => found.candidates.max(1),
-        _ => 1 + finding.rivals.len(),
-    };
-    2.0 * (among as f64).ln() * finding.term.coefficients(statics) as f64
 }
 
 /// Curves with what was expected of their waves.

@@ -1,8 +1,7 @@
 //! What a calibration hands on, and whether rows that it has not seen are worse by it: these judge, they choose nothing.
 
-use crate::identify::residual_statistics::Residual;
+use crate::identify::residual_statistics::{Residual, above_zero};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Chance makes a stage that changes nothing look worse on held-out rows in one file of a hundred.
 const CHANCE: f64 = 0.01;
@@ -46,9 +45,5 @@ pub fn worse(before: &[Residual], after: &[Residual]) -> bool {
         share(residual.place.norm_squared(), moved) + share(residual.turn.norm_squared(), turned)
     };
     let changes: Vec<f64> = before.iter().zip(after).map(|(before, after)| size(after) - size(before)).collect();
-    let mean = changes.iter().sum::<f64>() / count as f64;
-    let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (count as f64 - 1.0);
-    let spread = (variance / count as f64).sqrt();
-    let limit = StudentsT::new(0.0, 1.0, count as f64 - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - CHANCE));
-    mean > 0.0 && mean > limit * spread
+    above_zero(&changes, CHANCE)
 }

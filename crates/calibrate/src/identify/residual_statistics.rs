@@ -10,6 +10,7 @@ use crate::observation::parameters::Effects;
 use denavit_model::nalgebra::{Point3, Vector3};
 use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -473,6 +474,15 @@ fn mean_residual<E: Effects>(fit: &Fit<E>, fitted: &Measurements, (reading, tip)
 fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_model::Pose {
     let index = fitted.scene.setups.iter().position(|name| name == setup);
     index.map_or_else(denavit_model::Pose::identity, |index| arm.instruments[index])
+}
+
+/// Whether the mean of these changes is above zero, by more than chance has it in this share of cases: Student's test.
+pub(crate) fn above_zero(changes: &[f64], chance: f64) -> bool {
+    let count = changes.len() as f64;
+    let Ok(distribution) = StudentsT::new(0.0, 1.0, count - 1.0) else { return false };
+    let mean = changes.iter().sum::<f64>() / count;
+    let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    mean > 0.0 && mean > distribution.inverse_cdf(1.0 - chance) * (variance / count).sqrt()
 }
 
 /// Root mean square, mean and largest of each sort of error.
