@@ -293,7 +293,7 @@ def calibrate(
             sure one is may follow as ``+-0.1mm``.
         effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
             of the joints alone), or ``None``.
-        max_effects: No more effects than this; by default as many as the data ask for.
+        max_effects: No more effects than this; by default as many as the evidence selects.
         mass: Mass of all moving links, kg, as on the data sheet, where the description has no masses.
         scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
         pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.

@@ -50,7 +50,7 @@ pub struct TraceOptions {
     pub identify: IdentifyOptions,
     /// Kinds to look for; empty: all.
     pub kinds: Vec<Kind>,
-    /// No more effects than this; without it as many as the data ask for.
+    /// No more effects than this; without it as many as the evidence selects.
     pub max_effects: Option<usize>,
     /// Motor turns per joint turn, joint by joint, where known.
     pub gear_ratios: Vec<Option<f64>>,

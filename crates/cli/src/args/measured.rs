@@ -125,7 +125,7 @@ pub struct CalibrateArguments {
     /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',', help_heading = FIT)]
     pub effects: Vec<String>,
-    /// Number of effects at most; without it as many as the data ask for
+    /// Number of effects at most; without it as many as the evidence selects
     #[arg(long, value_name = "N", help_heading = FIT)]
     pub max_effects: Option<usize>,
     /// Mass of all moving links (data sheet), for a description without masses
