@@ -535,3 +535,17 @@ impl<'s> ErrorSums<'s> {
         Errors(self.of_channels.iter().enumerate().filter_map(of).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::above_zero;
+
+    #[test]
+    fn a_mean_is_above_zero_where_chance_hardly_puts_it_there() {
+        assert!(above_zero(&[0.9, 1.0, 1.1], 0.025) && above_zero(&[1.0, 1.0], 0.025));
+        assert!(!above_zero(&[1.0, -1.0, 1.5, -0.5], 0.025) && !above_zero(&[-1.0, -1.1], 0.025));
+        // Student's t of two degrees of freedom: 4.303 at 2.5 %, and this one is 3.46.
+        assert!(!above_zero(&[1.0, 2.0, 3.0], 0.025) && above_zero(&[1.0, 2.0, 3.0], 0.05));
+        assert!(!above_zero(&[5.0], 0.025) && !above_zero(&[], 0.025));
+    }
+}

@@ -220,3 +220,23 @@ fn torques(data: &Measurements, fit: &Fit<EffectModel>, term: &Term) -> Vec<f64>
     }
     values
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::driver::Statics;
+    use denavit_model::examples;
+
+    #[test]
+    fn a_cause_is_expected_as_large_as_it_is_and_a_deflection_small() {
+        let statics = Statics::of_chain(&examples::puma_like());
+        let driver = Driver::TorqueTerms { joint: 1, links: usize::MAX };
+        let term = Term { kind: Kind::JointCompliance, carrier: Carrier::Joint(1), driver, coupling: Coupling::Each };
+        let count = term.coefficients(&statics);
+        let effect = Effect { term, coefficients: vec![1e-3; count] };
+        let found = expected(&EffectModel::new(statics, vec![effect.clone(), effect]), 1);
+        assert!(count > 0 && found.len() == 2 * count);
+        assert!(found[..count].iter().all(|of| *of == Expected::OrAsNow(1e-3)));
+        assert!(found[count..].iter().all(|of| matches!(of, Expected::UnitInformation(least) if *least > 1e6)));
+    }
+}
