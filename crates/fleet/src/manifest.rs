@@ -115,8 +115,6 @@ pub struct TaskOptions {
     /// No more effects than this.
     pub max_effects: Option<usize>,
     /// Mass of all moving links, kg, for a description without masses.
-    // What was not asked for is not part of a run's key, so that finished runs of before stay known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
     /// Share of the rows to hold out.
     pub hold_out: Option<f64>,

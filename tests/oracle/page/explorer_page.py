@@ -25,6 +25,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 # WebGL is drawn by SwiftShader, the page itself by the processor at once: by SwiftShader it takes twice as long.
 FLAGS = """--no-sandbox --disable-gpu-compositing --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
 --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
+LARGE = tempfile.TemporaryDirectory()
 DESKTOP = {"width": 1360, "height": 860}
 PHONE = {"width": 360, "height": 740}
 # The machine may be busy: what does not come in a minute does not come.
@@ -89,11 +90,8 @@ def drop(page, *files):
     page.set_input_files("#files", [chosen(file) for file in files])
 
 
-# Chromium reads it by itself: 33 MB of bytes in a message take half a minute.
-LARGE = tempfile.TemporaryDirectory()
-
-
 def chosen(file):
+    """As Playwright takes it; what is large is a file, which Chromium reads by itself: 33 MB in a message take half a minute."""
     if isinstance(file, Path):
         return str(file)
     name, content = file

@@ -118,10 +118,16 @@ struct LeftOut {
     weight: f64,
 }
 
+impl LeftOut {
+    /// Weighted sum of the squares, m².
+    fn square(&self) -> f64 {
+        self.weight * self.residual.iter().map(|r| r * r).sum::<f64>()
+    }
+}
+
 /// Mean square for each axis, m².
 fn mean_square(rows: &[LeftOut]) -> f64 {
-    let sum = |row: &LeftOut| row.weight * row.residual.iter().map(|r| r * r).sum::<f64>();
-    rows.iter().map(sum).sum::<f64>() / values(rows)
+    rows.iter().map(LeftOut::square).sum::<f64>() / values(rows)
 }
 
 /// How many lengths there are.
@@ -132,8 +138,7 @@ fn values(rows: &[LeftOut]) -> f64 {
 /// Whether these rows are predicted better than by another model, beyond chance, posture by posture. A search among a thousand causes finds some
 /// that help left-out postures by less.
 fn clearly_better(these: &[LeftOut], others: &[LeftOut]) -> bool {
-    let square = |row: &LeftOut| row.weight * row.residual.iter().map(|r| r * r).sum::<f64>();
-    let change = |(this, other): (&LeftOut, &LeftOut)| (this.posture, square(other) - square(this));
+    let change = |(this, other): (&LeftOut, &LeftOut)| (this.posture, other.square() - this.square());
     let changes: Vec<(usize, f64)> = these.iter().zip(others).map(change).collect();
     let of_posture = |own: &[(usize, f64)]| own.iter().map(|(_, change)| change).sum();
     let changes: Vec<f64> = changes.chunk_by(|a, b| a.0 == b.0).map(of_posture).collect();

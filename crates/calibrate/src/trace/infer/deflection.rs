@@ -79,7 +79,7 @@ pub(super) enum Expected {
 /// What is expected of the numbers of all effects, of which the first so many are causes; deflections come after them.
 pub(super) fn expected(model: &EffectModel, causes: usize) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
-    let (causes, deflections) = model.effects.split_at(causes.min(model.effects.len()));
+    let (causes, deflections) = model.effects.split_at(causes);
     let of_causes = causes.iter().flat_map(|effect| &effect.coefficients).map(|now| Expected::OrAsNow(*now));
     let of_deflections = deflections.iter().flat_map(|effect| &effect.coefficients);
     of_causes.chain(of_deflections.map(|_| Expected::UnitInformation(of_gravity))).collect()
