@@ -72,6 +72,13 @@ fn bad_input_to_the_measuring_commands_gets_one_clear_message() {
     says(&["identify", &ur5e, "--scales", "elbow"], "the chain has no joint \"elbow\"; write all, or of");
     says(&["fk", &ur5e, "--given", "payload=1"], "give --effects, too");
     says(&["calibrate", "-", "--data", "-"], "standard input (-) can be one file only");
+    for option in [["--mass", "20"], ["--gear-ratio", "elbow_joint=100"], ["--max-effects", "3"]] {
+        for without in [["--effects", "none"], ["--effects", "curves"], ["--zeros", "all"]] {
+            let rest = [option, without].concat();
+            let arguments = [&["calibrate", &ur5e, "--data", &few][..], &rest].concat();
+            says(&arguments, &format!("{}: no effects are searched with {}", option[0], without[0]));
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Every row held out once: `cargo run --release -p denavit-calibrate --features unstable --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
 //!
-//! Rows are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (link), `UNITS`
-//! (such as mm,deg), `SEED` of the deal.
+//! Postures are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (links, commas
+//! between them), `UNITS` (such as mm,deg), `SEED` of the deal.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -20,7 +20,9 @@ fn main() {
     let data = real.rows(&arguments[2]);
     let folds: usize = arguments.get(3).map_or(5, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
-    let mut order: Vec<usize> = (0..data.len()).collect();
+    let postures = data.postures();
+    let mut order: Vec<&[usize]> = postures.iter().collect();
+    order.sort_unstable();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
     // Per way of modelling: sum of squares, sum, largest, rows.
     let words = ["nominal", "geometry", "curves", "result"];
@@ -28,7 +30,7 @@ fn main() {
     for fold in 0..folds {
         let part = |held: bool| {
             let own = order.iter().enumerate().filter(|(place, _)| (place % folds == fold) == held);
-            let mut rows: Vec<usize> = own.map(|(_, row)| *row).collect();
+            let mut rows: Vec<usize> = own.flat_map(|(_, rows)| *rows).copied().collect();
             rows.sort_unstable();
             data.subset(&rows)
         };
@@ -74,7 +76,7 @@ fn main() {
             }
         }
     }
-    println!("| model | held out, rms | mean | largest, mm |\n|---|---|---|---|");
+    println!("| model | held out, rms, mm | mean | largest |\n|---|---|---|---|");
     for (word, [squares, sum, largest, rows]) in words.iter().zip(sums) {
         println!("| {word} | {:.4} | {:.4} | {:.4} |", (squares / rows).sqrt() * 1e3, sum / rows * 1e3, largest * 1e3);
     }

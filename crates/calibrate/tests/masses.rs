@@ -10,6 +10,10 @@ use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::trace::masses::{LinkMasses, link_masses};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
 use denavit_model::Chain;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::LN_2;
 
 /// Masses of the simulated arm over those of rods: heavy drives in the wrist, a light upper arm.
 const RATIOS: [f64; 6] = [1.0, 0.5, 0.5, 3.0, 4.0, 5.0];
@@ -62,6 +66,47 @@ fn masses_that_all_compliances_share_predict_better_than_rods() {
         // Each joint has a compliance of its own, so that the rows tell the share of each link and little of its mass.
         assert!(found.explains > 0.1 && off(&masses) < off(&assumed), "{masses:?}");
     }
+}
+
+/// Arms like [`arm`] whose masses and compliances are anywhere that the prior expects, the total mass within 1 % of the rods': how far the
+/// masses that were found are from the truth, relatively, in the deviations that are reported with them.
+fn of_their_deviation(arms: u64) -> Vec<f64> {
+    let (chain, rods, like) = arm();
+    let total = |statics: &Statics| statics.masses.points.iter().map(|point| point.mass).sum::<f64>();
+    let mut off = Vec::new();
+    for seed in 0..arms {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let statics = loop {
+            let mut statics = rods.clone();
+            for point in &mut statics.masses.points {
+                let drawn: f64 = StandardNormal.sample(&mut random);
+                point.mass *= (LN_2 * drawn).exp();
+            }
+            if (total(&statics) / total(&rods)).ln().abs() < 0.01 {
+                break statics;
+            }
+        };
+        let mut effects = EffectModel { statics, ..like.clone() };
+        for effect in &mut effects.effects {
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            effect.coefficients[0] = 7e-5 * drawn;
+        }
+        let Some(found) = found(&chain, &rods, &rows(&chain, Some(&effects), seed)) else { continue };
+        let truth = effects.statics.masses.points.iter();
+        off.extend(
+            found.links.iter().zip(truth).map(|(link, point)| (link.kg / point.mass).ln() / (link.std / link.kg)),
+        );
+    }
+    off
+}
+
+#[test]
+fn intervals_of_masses_hold_the_truth() {
+    let off = of_their_deviation(80);
+    let scale = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
+    let inside = off.iter().filter(|off| off.abs() < 1.96).count() as f64 / off.len() as f64;
+    println!("{} masses: error {scale:.2} of their deviation, {inside:.3} of the 95 % intervals", off.len());
+    assert!((0.9..1.1).contains(&scale) && (0.92..0.98).contains(&inside));
 }
 
 #[test]

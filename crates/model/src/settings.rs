@@ -51,6 +51,7 @@ pub const SETTINGS: &[&str] = &[
     "json",
     "keep-link-frames",
     "mass",
+    "max-effects",
     "offsets-out",
     "only",
     "out-for",

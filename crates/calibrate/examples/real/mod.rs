@@ -1,14 +1,18 @@
-//! The robot of the first argument (a URDF or a D-H table), with the `TIP` and `UNITS` of the environment, and its files of measurements.
+//! The robot of the first argument (a URDF or a D-H table), with the `TIP` (links, commas between them) and `UNITS` of the environment, and its
+//! files of measurements.
 
 use denavit_calibrate::effects::Statics;
-use denavit_calibrate::observation::measurements::{Measurements, Units, read};
+use denavit_calibrate::observation::measurements::import::ImportOptions;
+use denavit_calibrate::observation::measurements::{Measurements, Units, read_export};
 use denavit_export::sources::{self, Source, Stated};
-use denavit_model::Chain;
 use denavit_model::tree::Reading;
+use denavit_model::{Chain, PlacedRobot, Tips};
+use std::sync::Arc;
 
 pub struct Real {
     pub chain: Chain,
     pub statics: Statics,
+    tips: Option<Arc<Tips>>,
     units: Units,
 }
 
@@ -28,17 +32,26 @@ impl Real {
                 panic!("{path}: no D-H table")
             };
             let chain = table.chain().unwrap();
-            return Self { statics: Statics::of_chain(&chain), chain, units };
+            return Self { statics: Statics::of_chain(&chain), chain, tips: None, units };
         }
         let robot = denavit_model::urdf::read(path, &text).unwrap();
-        let tip = std::env::var("TIP").ok();
-        let chain = robot.chain(None, tip.as_deref(), Reading::Intended).unwrap().value;
-        let statics = Statics::of(&robot, &chain);
-        Self { chain, statics, units }
+        let tips = std::env::var("TIP").ok();
+        let tips: Vec<Option<&str>> = tips.as_deref().map_or(vec![None], |tips| tips.split(',').map(Some).collect());
+        let mut chains: Vec<Chain> =
+            tips.iter().map(|tip| robot.chain(None, *tip, Reading::Intended).unwrap().value).collect();
+        if chains.len() == 1 {
+            let chain = chains.remove(0);
+            return Self { statics: Statics::of(&robot, &chain), chain, tips: None, units };
+        }
+        let (chain, tips) = Chain::joined(&chains[0], &chains[1..]).unwrap();
+        let tips = Arc::new(tips);
+        let statics = Statics::placed_tips(&PlacedRobot::new(&robot, Reading::Intended), &chain, &tips);
+        Self { chain, statics, tips: Some(tips), units }
     }
 
     pub fn rows(&self, path: &str) -> Measurements {
         let file = std::fs::File::open(path).unwrap();
-        read(path, file, &self.chain, self.units).unwrap_or_else(|error| panic!("{error}")).data
+        let options = ImportOptions { tips: self.tips.clone(), ..ImportOptions::default() };
+        read_export(path, file, &self.chain, self.units, &options).unwrap_or_else(|error| panic!("{error}")).data
     }
 }

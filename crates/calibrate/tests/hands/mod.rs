@@ -16,6 +16,8 @@ use std::sync::Arc;
 pub const TWO_ARMS: &str = include_str!("../two_arms.urdf");
 /// Scatter of a touch: each axis of the way between the two points, m.
 pub const SCATTER: f64 = 1e-4;
+/// What a drawing promises, m and rad.
+const DRAWN: f64 = 1e-3;
 /// Touches that are not fitted.
 const LATER: usize = 20;
 
@@ -81,14 +83,16 @@ fn followed(data: &Measurements, layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     })
 }
 
-/// The same robot by least squares without tolerances: the smallest steps that bring the points together.
+/// The same robot by least squares without a prior: the smallest steps that bring the points together. What the touches tell worse than a
+/// drawing does stays as drawn (truncated singular values), above all the robot's size: free arms shrink to a point, where their tips meet in
+/// every posture.
 fn by_least_squares(from: &Arm, postures: &[Vec<f64>], data: &Measurements, layout: &Layout) -> Arm {
     let mut arm = from.clone();
     for _ in 0..8 {
         let left = postures.iter().flat_map(|q| touch(&arm, q).iter().copied().collect::<Vec<f64>>());
         let left = DVector::from_iterator(3 * postures.len(), left);
         let columns = followed(data, layout, &arm);
-        let step = columns.svd(true, true).solve(&-left, 1e-9).unwrap();
+        let step = columns.svd(true, true).solve(&-left, SCATTER / DRAWN).unwrap();
         let mut whole = vec![0.0; layout.len()];
         let (joints, points) = step.as_slice().split_at(layout.joints.len());
         whole[layout.joints.clone()].copy_from_slice(joints);

@@ -73,6 +73,17 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         )));
     }
     let gear_ratios = gear_ratios(&asked.gear_ratios, chain)?;
+    let of_effects = [
+        ("‹mass›", asked.mass.is_some()),
+        ("‹gear-ratio›", !asked.gear_ratios.is_empty()),
+        ("‹max-effects›", asked.max_effects.is_some()),
+    ];
+    if let (None, Some((option, _))) = (&trace, of_effects.iter().find(|(_, given)| *given)) {
+        let without = if asked.zeros.is_empty() { "‹effects› none or curves" } else { "‹zeros›" };
+        return Err(MeasuredError::Option(format!(
+            "{option}: no effects are searched with {without}; leave {option} out"
+        )));
+    }
     let trace = trace.map(|kinds| TraceOptions {
         kinds,
         max_effects: asked.max_effects,

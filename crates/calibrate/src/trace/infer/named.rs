@@ -4,6 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
 use crate::effects::curve::Curve;
 use crate::effects::driver::Driver;
+use crate::effects::history::History;
 use crate::effects::model::EffectModel;
 use crate::effects::recorded::told_by_order;
 use crate::effects::survey::Survey;
@@ -261,6 +262,7 @@ pub(crate) fn judge(
             let predicting = || likely(predicting().log_present(mine).exp(), &predicting().rivals(mine));
             // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
             let predicts = predictor.set.contains(&member)
+                && !follows_warmth(&candidates[member])
                 && predicting()
                 && (probability > RIVAL || suffices())
                 && (likely(probability, &instead) || predictor.pays(member));
@@ -397,6 +399,13 @@ pub(super) fn members(round: &Round, candidates: &[Candidate], log_odds: impl Fn
         least_precision: least_precision(candidate),
     };
     candidates.iter().zip(&round.candidates).map(of).collect()
+}
+
+/// Whether a cause follows how warm a joint's own work has made it. Postures that are left out of a fit lie between others of the same run:
+/// that they are predicted well says nothing of another pace, at which the same cause may do many times as much.
+fn follows_warmth(candidate: &Candidate) -> bool {
+    let column = candidate.term.driver.covariate();
+    matches!(column.and_then(History::of_column), Some((_, History::Warmth { .. })))
 }
 
 /// Causes are expected to have the size that they have in machines; 0 where nothing is known.
