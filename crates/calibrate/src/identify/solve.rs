@@ -10,6 +10,7 @@ use crate::observation::gauge;
 use crate::observation::kinds::Part;
 use crate::observation::measurements::{Measurements, Scene, Series};
 use crate::observation::parameters::{Effects, Known, Layout};
+use crate::observation::prior::SHARE_USED;
 use crate::observation::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -144,6 +145,10 @@ const NAMED_WHEN_UNFINISHED: usize = 4;
 /// Steps are alike if the square of the cosine between them is this much; they follow each other as powers of a share if that is between these.
 const ALIKE: f64 = 0.9;
 const SHARE: std::ops::Range<f64> = 0.1..0.9;
+/// One robot in a hundred whose errors are those of its drawing has them taken for larger.
+const FALSELY_WIDER: f64 = 0.01;
+/// Widths that differ by less than this share are the same.
+const SAME_WIDTH: f64 = 0.02;
 /// Measured values beyond the parameters that it takes to tell the noise.
 pub const DEGREES_FOR_NOISE: f64 = 6.0;
 /// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
@@ -215,12 +220,13 @@ pub fn fit<E: Effects>(
     options: &FitOptions,
 ) -> Fit<E> {
     let jacobians = Cell::new(0);
+    let layout = layout.clone();
     Solver { data, layout, reference: arm.clone(), options: *options, jacobians }.run(arm, effects, weights)
 }
 
 struct Solver<'a> {
     data: &'a Measurements,
-    layout: &'a Layout,
+    layout: Layout,
     reference: Arm,
     options: FitOptions,
     jacobians: Cell<usize>,
@@ -237,7 +243,7 @@ struct Step<E> {
 }
 
 impl Solver<'_> {
-    fn run<E: Effects>(&self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
+    fn run<E: Effects>(mut self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
         let mut weights = given.to_vec();
         let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
         let mut used = self.unused();
@@ -276,8 +282,14 @@ impl Solver<'_> {
             }
             used = self.parameters_used(&state, &noise);
             let now = self.noise_of(&state.sums.squares, &weights, &used, false);
-            let steady = now.near(&noise);
+            let wide = self.as_wide(&state, &now);
+            let same = wide.is_none_or(|wide| (wide / self.layout.prior.widened).ln().abs() < SAME_WIDTH);
+            let steady = now.near(&noise) && same;
             noise = now;
+            if let Some(wide) = wide.filter(|_| !same) {
+                self.layout.prior = self.layout.prior.clone().as_wide(wide);
+                state.prior = self.charged(&state.arm, &state.effects);
+            }
             let rounding = noise == self.rounding();
             let least = self.options.least_promise;
             let ended = undamped < PROMISE_OF_A_RESULT && (stuck || promise < least);
@@ -362,10 +374,38 @@ impl Solver<'_> {
 
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         self.jacobians.set(self.jacobians.get() + 1);
-        let sums = ResidualModel { data: self.data, layout: self.layout, effects: &effects }.sums(&arm, weights);
-        let known: f64 = self.known(&arm, &effects).iter().map(|known| known.residual.powi(2)).sum();
-        let prior = self.layout.prior_cost(&arm, &self.reference) + known;
+        let sums = ResidualModel { data: self.data, layout: &self.layout, effects: &effects }.sums(&arm, weights);
+        let prior = self.charged(&arm, &effects);
         State { arm, effects, sums, prior }
+    }
+
+    /// What the priors charge.
+    fn charged<E: Effects>(&self, arm: &Arm, effects: &E) -> f64 {
+        let known: f64 = self.known(arm, effects).iter().map(|known| known.residual.powi(2)).sum();
+        self.layout.prior_cost(arm, &self.reference) + known
+    }
+
+    /// How many times the variance of the drawing's tolerances the axes' errors have: 1 where chance explains how large they are; none where
+    /// others expect something of them.
+    ///
+    /// With γ the number of parameters that the data determine and c² = δᵀ P δ, P by the drawing, the likelihood is largest where c² = κ² γ
+    /// (MacKay 1992, "Bayesian interpolation", eq. 28); of κ is expected what averaging expects of it.
+    fn as_wide<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<f64> {
+        let (joints, prior) = (self.layout.joints.len(), &self.layout.prior);
+        if joints == 0 || !self.layout.effects.is_empty() || !prior.is_of_drawing() {
+            return None;
+        }
+        let system = self.system(state, noise);
+        let inverse = system.inverse();
+        let of_prior =
+            |i: usize, k: usize| inverse[(i, k)] * system.scale[i] * system.scale[k] * prior.precision[(i, k)];
+        let undetermined: f64 = (0..joints).flat_map(|i| (0..joints).map(move |k| of_prior(i, k))).sum();
+        let determined = joints as f64 - undetermined;
+        let squares = prior.widened * self.layout.prior_cost(&state.arm, &self.reference);
+        if determined < 1.0 || squares < quantile_of_chi_squared(determined, 1.0 - FALSELY_WIDER) {
+            return Some(1.0);
+        }
+        Some((squares / (determined + 0.5 * prior.widened.ln() / SHARE_USED.powi(2))).max(1.0))
     }
 
     fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {
@@ -414,7 +454,7 @@ impl Solver<'_> {
         let gauge = self
             .layout
             .axes_are_free()
-            .then(|| gauge::in_scaled(gauge::conditions(self.layout, &self.reference), scale.as_slice()));
+            .then(|| gauge::in_scaled(gauge::conditions(&self.layout, &self.reference), scale.as_slice()));
         System { matrix, gradient, scale, damped, gauge }
     }
 
@@ -462,7 +502,7 @@ impl Solver<'_> {
                     *cell /= 1.0 - share;
                 }
             }
-            let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+            let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let mut next = self.evaluate(arm, effects, weights);
             let mut after = self.objective(&next, weights, noise);
@@ -515,7 +555,7 @@ impl Solver<'_> {
         if step.iter().any(|cell| !cell.is_finite()) {
             return None;
         }
-        let arm = gauge::centred(self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+        let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
         Some(self.evaluate(arm, state.effects.clone(), weights))
     }
 

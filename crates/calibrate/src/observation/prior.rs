@@ -54,6 +54,9 @@ const MOVES_NOTHING: f64 = 1e-9;
 /// Share of a tolerance that nobody knows a parameter better than: it keeps the covariance invertible.
 const BEST_KNOWN: f64 = 1e-6;
 
+/// Deviation of ln κ, κ the share of its tolerances that a robot uses.
+pub const SHARE_USED: f64 = 0.7;
+
 /// What is expected of the joints' parameters: a normal distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
@@ -65,6 +68,8 @@ pub struct Prior {
     pub of_drawing: DMatrix<f64>,
     /// Covariance by the drawing's tolerances alone, in tolerances.
     drawn: DMatrix<f64>,
+    /// How many times the variance of the drawing's tolerances is expected, where nothing was measured before.
+    pub widened: f64,
 }
 
 /// What is known of some parameters from elsewhere, in their order: index among the layout's parameters, mean, covariance.
@@ -91,7 +96,7 @@ impl Prior {
     ) -> Self {
         let drawn = covariance_of_drawing(chain, parameters, bases, frames, tolerances);
         let precision = precise(&drawn, parameters);
-        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision, drawn }
+        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision, drawn, widened: 1.0 }
     }
 
     /// The same where some of the parameters were identified before.
@@ -156,9 +161,15 @@ impl Prior {
         covariance_of(&self.precision, parameters)
     }
 
+    /// By the drawing's tolerances with so many times their variance.
+    #[must_use]
+    pub fn as_wide(self, widened: f64) -> Self {
+        Self { precision: &self.of_drawing / widened, widened, ..self }
+    }
+
     /// Whether the drawing alone says what is expected.
     pub fn is_of_drawing(&self) -> bool {
-        self.precision == self.of_drawing
+        self.precision == &self.of_drawing / self.widened
     }
 }
 

@@ -9,6 +9,7 @@ use crate::effects::curve::Curve;
 use crate::identify::averaging::linearised::Linearised;
 use crate::identify::averaging::terms::{Family, Terms};
 use crate::observation::measurements::Measurements;
+use crate::observation::prior::SHARE_USED;
 use denavit_linear::gram::Problem;
 use denavit_linear::minimise::{Local, minimise};
 use denavit_linear::products::cross_gram;
@@ -20,7 +21,7 @@ use std::f64::consts::TAU;
 /// Half of all families are expected to be smaller than this, rad or m.
 const USUAL: f64 = 1e-3;
 /// Mean and deviation of ln κ, the share of its tolerances that a robot uses, and of ln l, l in rad or m (Rasmussen, Williams 2006, 5.4: marginal likelihood).
-const KAPPA: (f64, f64) = (0.0, 0.7);
+const KAPPA: (f64, f64) = (0.0, SHARE_USED);
 const ZERO: (f64, f64) = (-1.5, 1.0);
 const LENGTH: (f64, f64) = (-1.2, 0.8);
 /// Deviation of ln σ from what geometry leaves: fifteen rows can be fitted without any noise.
