@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
+use crate::drawn::drawn;
 use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::{IdentifyOptions, Layout, NoEffects, ResidualModel, identify};
@@ -64,5 +65,31 @@ fn noise_free_data_are_recovered_on_unseen_poses() {
                 assert!(error < 1e-12, "{} {kind:?} {rows}: {error:e}", chain.name());
             }
         }
+    }
+}
+
+#[test]
+fn an_arm_far_outside_its_tolerances_is_no_noisy_one() {
+    let (chain, _) = drawn("universal_robots/ur5e.urdf");
+    for times in [1.0, 3.0, 6.0] {
+        let (mut wider, mut squares) = (0, 0.0);
+        for seed in 0..10 {
+            let options = SimulationOptions {
+                kind: POSITION,
+                rows: 18,
+                seed,
+                turn: 1e-3 * times,
+                shift: 1e-3 * times,
+                ..SimulationOptions::default()
+            };
+            let run = simulate(&chain, &options, &NoEffects);
+            let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
+            wider += usize::from(fit.layout.prior.widened > 1.0);
+            squares += unseen_error(&fit, &run.arm, POSITION).powi(2);
+        }
+        let largest = (squares / 10.0_f64).sqrt();
+        println!("{times} tolerances: {wider} of 10 wider, largest error {:.3} mm", 1e3 * largest);
+        assert!(if times > 1.0 { wider == 10 } else { wider <= 2 }, "{times}: {wider} of 10");
+        assert!(largest < 0.3e-3, "{times}: {largest}");
     }
 }

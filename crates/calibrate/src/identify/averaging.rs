@@ -400,9 +400,9 @@ impl Averager<'_> {
         nominal: &Arm,
         geometric: &Fit<NoEffects>,
     ) -> Option<(Averaging, Vec<LeftOut>, At)> {
-        let noise = &geometric.noise.levels;
+        let found = (&*geometric.noise.levels, geometric.layout.prior.widened);
         let of_geometry = Family::is_of_geometry;
-        let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(noise, self.terms, used, as_tolerated);
+        let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(found, self.terms, used, as_tolerated);
         // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
         let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry, true) };

@@ -145,8 +145,11 @@ const NAMED_WHEN_UNFINISHED: usize = 4;
 /// Steps are alike if the square of the cosine between them is this much; they follow each other as powers of a share if that is between these.
 const ALIKE: f64 = 0.9;
 const SHARE: std::ops::Range<f64> = 0.1..0.9;
-/// One robot in a hundred whose errors are those of its drawing has them taken for larger.
-const FALSELY_WIDER: f64 = 0.01;
+/// One robot in twenty whose errors are those of its drawing has them taken for larger.
+const FALSELY_WIDER: f64 = 0.05;
+/// Variance of the axes' errors over the tolerances', at most: one robot in twenty has more. A fit begins with it, so that a robot far outside
+/// its tolerances is not taken for a noisy one.
+const WIDEST: f64 = 10.0;
 /// Widths that differ by less than this share are the same.
 const SAME_WIDTH: f64 = 0.02;
 /// Measured values beyond the parameters that it takes to tell the noise.
@@ -245,6 +248,9 @@ struct Step<E> {
 impl Solver<'_> {
     fn run<E: Effects>(mut self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
         let mut weights = given.to_vec();
+        if self.may_be_wide() {
+            self.layout.prior = self.layout.prior.clone().as_wide(WIDEST);
+        }
         let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
         let mut used = self.unused();
         let mut robust = self.options.robust;
@@ -391,10 +397,10 @@ impl Solver<'_> {
     /// With γ the number of parameters that the data determine and c² = δᵀ P δ, P by the drawing, the likelihood is largest where c² = κ² γ
     /// (MacKay 1992, "Bayesian interpolation", eq. 28); of κ is expected what averaging expects of it.
     fn as_wide<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<f64> {
-        let (joints, prior) = (self.layout.joints.len(), &self.layout.prior);
-        if joints == 0 || !self.layout.effects.is_empty() || !prior.is_of_drawing() {
+        if !self.may_be_wide() {
             return None;
         }
+        let (joints, prior) = (self.layout.joints.len(), &self.layout.prior);
         let system = self.system(state, noise);
         let inverse = system.inverse();
         let of_prior =
@@ -405,7 +411,12 @@ impl Solver<'_> {
         if determined < 1.0 || squares < quantile_of_chi_squared(determined, 1.0 - FALSELY_WIDER) {
             return Some(1.0);
         }
-        Some((squares / (determined + 0.5 * prior.widened.ln() / SHARE_USED.powi(2))).max(1.0))
+        Some((squares / (determined + 0.5 * prior.widened.ln() / SHARE_USED.powi(2))).clamp(1.0, WIDEST))
+    }
+
+    /// Whether the axes may be further off than the drawing's tolerances have them: nothing else is known of them.
+    fn may_be_wide(&self) -> bool {
+        !self.layout.joints.is_empty() && self.layout.effects.is_empty() && self.layout.prior.is_of_drawing()
     }
 
     fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {

@@ -69,13 +69,18 @@ fn tolerated(family: Family) -> Option<(f64, f64)> {
 }
 
 impl Sizes {
-    /// Where the search begins: noise of a fit of geometry alone, by channel.
-    pub fn start(noise: &[f64], terms: &Terms, used: impl Fn(Family) -> bool, as_tolerated: bool) -> Self {
+    /// Where the search begins: noise of a fit of geometry alone, by channel, and the variance of its tolerances over the drawing's.
+    pub fn start(
+        (noise, widened): (&[f64], f64),
+        terms: &Terms,
+        used: impl Fn(Family) -> bool,
+        as_tolerated: bool,
+    ) -> Self {
         let mut families: Vec<Family> = terms.families.iter().copied().filter(|family| used(*family)).collect();
         families.sort_unstable();
         families.dedup();
         let start = |family: Family| match tolerated(family) {
-            Some(_) if as_tolerated => 0.0,
+            Some(_) if as_tolerated || family == Family::Geometry => 0.5 * widened.ln(),
             Some((mean, _)) => mean,
             None => f64::ln(5e-5),
         };
@@ -440,8 +445,8 @@ pub fn fitted(
 }
 
 impl Sizes {
-    /// Every family and the joints' repeatability adding as much variance as a tenth of the noise. From sizes far below the noise there is no
-    /// slope to follow.
+    /// Every family and the joints' repeatability adding as much variance as a tenth of the noise, geometry in its tolerances. From sizes far
+    /// below the noise there is no slope to follow.
     fn as_large_as_noise(&self, parts: &[Parts]) -> Self {
         let sum = |of: &dyn Fn(&Parts) -> f64| parts.iter().map(of).sum::<f64>();
         let noise = sum(&|part| {
@@ -454,9 +459,10 @@ impl Sizes {
         let mut large = self.clone();
         large.joints = size(sum(&|part| part.joints.trace()), self.joints);
         for (k, (family, own)) in large.families.iter_mut().enumerate() {
-            if tolerated(*family).is_none() {
-                *own = size(sum(&|part| part.trace(k, self.length.exp())), *own);
-            }
+            *own = match tolerated(*family) {
+                Some((mean, _)) => mean,
+                None => size(sum(&|part| part.trace(k, self.length.exp())), *own),
+            };
         }
         large
     }
