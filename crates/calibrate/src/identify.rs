@@ -111,12 +111,13 @@ impl IdentifyOptions {
         options
     }
 
-    /// Every axis, no scale, no pitch of a revolute joint, nothing known from before: what any robot is tried with.
+    /// Every axis, no scale, no pitch of a revolute joint, nothing known from before, within the drawing's tolerances: what any robot is tried with.
     #[must_use]
     pub fn plain(&self, chain: &Chain) -> Self {
         let freedom = Freedom::axes(chain.joints().len());
         let tolerances = if self.freedom.zeros_alone() { Tolerances::default() } else { self.tolerances };
-        Self { freedom, tolerances, earlier: None, start_zeros: Vec::new(), ..self.clone() }
+        let fit = FitOptions { widen: false, ..self.fit };
+        Self { freedom, tolerances, fit, earlier: None, start_zeros: Vec::new() }
     }
 }
 

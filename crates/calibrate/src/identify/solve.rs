@@ -57,11 +57,13 @@ pub struct FitOptions {
     pub most_iterations: usize,
     /// Predicted decrease of χ² below which no further step is taken.
     pub least_promise: f64,
+    /// Tolerances may be as wide as the data show; else they are the drawing's.
+    pub widen: bool,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { robust: true, most_iterations: 60, least_promise: PROMISE_AT_END }
+        Self { robust: true, most_iterations: 60, least_promise: PROMISE_AT_END, widen: true }
     }
 }
 
@@ -249,7 +251,7 @@ impl Solver<'_> {
     fn run<E: Effects>(mut self, arm: &Arm, effects: &E, given: &[f64]) -> Fit<E> {
         let mut weights = given.to_vec();
         if self.may_be_wide() {
-            self.layout.prior = self.layout.prior.clone().as_wide(WIDEST);
+            self.layout.prior = self.layout.prior.clone().with_variance(WIDEST);
         }
         let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
         let mut used = self.unused();
@@ -293,7 +295,7 @@ impl Solver<'_> {
             let steady = now.near(&noise) && same;
             noise = now;
             if let Some(wide) = wide.filter(|_| !same) {
-                self.layout.prior = self.layout.prior.clone().as_wide(wide);
+                self.layout.prior = self.layout.prior.clone().with_variance(wide);
                 state.prior = self.charged(&state.arm, &state.effects);
             }
             let rounding = noise == self.rounding();
@@ -416,7 +418,10 @@ impl Solver<'_> {
 
     /// Whether the axes may be further off than the drawing's tolerances have them: nothing else is known of them.
     fn may_be_wide(&self) -> bool {
-        !self.layout.joints.is_empty() && self.layout.effects.is_empty() && self.layout.prior.is_of_drawing()
+        self.options.widen
+            && !self.layout.joints.is_empty()
+            && self.layout.effects.is_empty()
+            && self.layout.prior.is_of_drawing()
     }
 
     fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {

@@ -161,9 +161,9 @@ impl Prior {
         covariance_of(&self.precision, parameters)
     }
 
-    /// By the drawing's tolerances with so many times their variance.
+    /// By the drawing's tolerances, their variance `widened` times as large.
     #[must_use]
-    pub fn as_wide(self, widened: f64) -> Self {
+    pub fn with_variance(self, widened: f64) -> Self {
         Self { precision: &self.of_drawing / widened, widened, ..self }
     }
 
