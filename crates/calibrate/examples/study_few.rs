@@ -83,7 +83,7 @@ fn main() {
                 if let Some((train, test)) = rows {
                     let line = serde_json::json!({"set": name, "n": size, "draw": draw, "train": train, "test": test});
                     writeln!(written, "{line}").unwrap();
-                    let outcome = judged(&real, &data, &ordered, (&train, &test), fast, (name, size, draw));
+                    let outcome = judged(&real, &ordered, (&train, &test), fast, (name, size, draw));
                     outcome.print();
                     all.push(outcome);
                 }
@@ -241,7 +241,6 @@ fn off<E: Effects>(fit: &Fit<E>, train: &Measurements, test: &Measurements) -> V
 
 fn judged(
     real: &Real,
-    data: &Measurements,
     ordered: &Measurements,
     (train_rows, test_rows): (&[usize], &[usize]),
     fast: bool,
@@ -259,7 +258,8 @@ fn judged(
         covered: [[0.0; 2]; 2],
         seconds: [0.0; 2],
     };
-    let (train, test) = (data.subset(train_rows), data.subset(test_rows));
+    // The side from which a joint came is told by the rows measured before, drawn or not.
+    let (train, test) = (ordered.subset(train_rows), ordered.subset(test_rows));
     let mut options = CalibrateOptions::geometry(&real.chain);
     options.trace = (!fast).then(|| TraceOptions::new(options.identify.clone()));
     options.average = true;
@@ -275,8 +275,6 @@ fn judged(
     }
     outcome.seconds[0] = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    // The side from which a joint came is told by the rows measured before, drawn or not.
-    let (train, test) = (ordered.subset(train_rows), ordered.subset(test_rows));
     let identify_options = IdentifyOptions::axes(&real.chain);
     let identification = identify(&real.chain, &train, &identify_options);
     outcome.nominal = rms(&off(&identification.nominal, &train, &test));

@@ -3,7 +3,7 @@
 
 use crate::calibration::Calibration;
 use crate::effects::model::EffectModel;
-use crate::identify::residual_statistics::{Residual, bound_later, each_residual, placed};
+use crate::identify::residual_statistics::{Residual, bound_later, placed, residuals_of};
 use crate::identify::solve::Fit;
 use crate::observation::arm::Arm;
 use crate::observation::board::Corner;
@@ -14,6 +14,9 @@ use denavit_model::nalgebra::UnitQuaternion;
 use serde::ser::SerializeSeq as _;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
+
+/// Rows whose residuals are found at once: of a million they need not all be kept.
+const ROWS_AT_ONCE: usize = 4096;
 
 /// One observation and its residual.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -159,10 +162,14 @@ impl FileResiduals {
     }
 
     fn entries(&self) -> impl Iterator<Item = RowEntry> {
-        let residuals: Box<dyn Iterator<Item = Residual>> = match &self.effects {
-            Some(effects) => Box::new(each_residual(&self.arm, effects, &self.data)),
-            None => Box::new(each_residual(&self.arm, &NoEffects, &self.data)),
+        let some = |from: usize| {
+            let rows = from..(from + ROWS_AT_ONCE).min(self.data.len());
+            match &self.effects {
+                Some(effects) => residuals_of(rows, &self.arm, effects, &self.data),
+                None => residuals_of(rows, &self.arm, &NoEffects, &self.data),
+            }
         };
+        let residuals = (0..self.data.len()).step_by(ROWS_AT_ONCE).flat_map(some);
         residuals.map(|residual| self.entry(&residual))
     }
 

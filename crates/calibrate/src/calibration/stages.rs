@@ -12,11 +12,13 @@ use crate::identify::residual_statistics::{
     ErrorSums, Errors, Residual, TestError, bound_later, each_residual, errors, lengths_found, placed, residuals,
 };
 use crate::identify::solve::Fit;
+use crate::identify::threads::in_stretches;
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::{Effects, NoEffects};
 use crate::trace::infer::curves::CurveFit;
 use crate::trace::{Finding, Trace};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
 const GEOMETRIC: &str = "geometric";
@@ -83,12 +85,28 @@ impl Calibration {
 
 /// Residuals of the fitted rows that were kept.
 pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
-    each_kept(fit, train).collect()
+    each_kept(fit, train, 0..train.len()).collect()
 }
 
-fn each_kept<'a, E: Effects>(fit: &'a Fit<E>, train: &'a Measurements) -> impl Iterator<Item = Residual> {
+fn each_kept<'a, E: Effects>(
+    fit: &'a Fit<E>,
+    train: &'a Measurements,
+    rows: Range<usize>,
+) -> impl Iterator<Item = Residual> {
     let kept = move |residual: &Residual| fit.weights[residual.observation] > 0.0;
-    each_residual(&fit.arm, &fit.effects, train).filter(kept)
+    each_residual(rows, &fit.arm, &fit.effects, train).filter(kept)
+}
+
+/// Errors of the fitted rows that were kept.
+fn errors_of_kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Errors {
+    let of_rows = |(): &mut (), rows| {
+        let mut sums = ErrorSums::new(&train.scene);
+        each_kept(fit, train, rows).for_each(|residual| sums.add(&residual));
+        sums
+    };
+    let mut all = ErrorSums::new(&train.scene);
+    in_stretches(train.len(), || (), of_rows).iter().for_each(|sums| all.add_all(sums));
+    all.errors()
 }
 
 impl Identification {
@@ -127,8 +145,6 @@ impl<'a> Stages<'a> {
     }
 
     fn add<E: Effects>(&mut self, name: String, fit: &Fit<E>) -> Result<(), TestError> {
-        let mut sums = ErrorSums::new(&self.train.scene);
-        each_kept(fit, self.train).for_each(|residual| sums.add(&residual));
         let train_lengths = lengths_found(&fit.arm, &fit.effects, self.train);
         let mut test_lengths = Vec::new();
         let mut held_out = Vec::new();
@@ -143,7 +159,7 @@ impl<'a> Stages<'a> {
         }
         self.done.push(Stage {
             name,
-            train: sums.errors(),
+            train: errors_of_kept(fit, self.train),
             test: test_errors,
             train_lengths,
             test_lengths,

@@ -211,38 +211,37 @@ impl Averaged {
         standing: &mut Standing,
         state: &RowState,
     ) -> [f64; 3] {
-        let Known { spread, geometric_spread, instrument, tips, of_curves, .. } = &self.known;
+        let Known { drawn, spread, geometric_spread, instrument, tips, of_curves, .. } = &self.known;
         let KnownTip { averaged: tip, target, .. } = &tips[conditions.tip];
-        let mut sensitivities = vec![Sensitivity::default(); model.len()];
-        model.sensitivities_of(conditions, &self.known.drawn.joints, standing, state, &mut sensitivities);
+        let mut sensitivities = vec![Sensitivity::default(); model.coefficients()];
+        model.0.sensitivities_of(conditions, standing, state, &mut sensitivities);
         let on_tip = tip.rotation * target + tip.translation.vector;
         let p = (state.tip * Point3::from(on_tip)).coords;
-        let moved = |twist: &Vector6<f64>| {
+        let turned = |twist: &Vector6<f64>| {
             Vector3::new(twist[0], twist[1], twist[2]).cross(&p) + Vector3::new(twist[3], twist[4], twist[5])
         };
-        let variance = |spread: &Spread| {
-            let number = |k: &usize| {
-                let by = &sensitivities[*k];
-                let of_arm = moved(&by.twist) + state.tip.rotation * by.target;
-                of_arm + self.by_instrument(&p, &state.tip, by.scale, &by.sight)
-            };
-            let frame = (0..6).filter(|_| instrument.is_some()).map(|k| moved(&Vector6::ith(k, 1.0)));
-            let own = |k: usize| if k / 3 == conditions.tip { 1.0 } else { 0.0 };
-            let placed = (0..3 * tips.len()).map(|k| state.tip.rotation * Vector3::ith(k % 3, own(k)));
-            let columns: Vec<Vector3<f64>> = spread.kept.iter().map(number).chain(frame).chain(placed).collect();
-            let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| columns.iter().map(|column| column[axis]).collect());
-            let of = |first: usize| {
-                let covariances = spread.covariance.as_slice().chunks_exact(columns.len()).enumerate().skip(first);
-                let each = covariances.flat_map(|(k, covariance)| {
-                    axes.iter().map(move |axis| axis[k] * dot(&axis[first..], &covariance[first..]))
-                });
-                (each.sum::<f64>() / 3.0).max(0.0)
-            };
-            [of(0), of(spread.kept.len())]
+        let moved = |by: &Sensitivity| {
+            let of_arm = turned(&by.twist) + state.tip.rotation * by.target;
+            of_arm + self.by_instrument(&p, &state.tip, by.scale, &by.sight)
         };
+        let by_coefficients: Vec<Vector3<f64>> = sensitivities.iter().map(moved).collect();
+        let frame = (0..6).filter(|_| instrument.is_some()).map(|k| turned(&Vector6::ith(k, 1.0)));
+        let own = |k: usize| if k / 3 == conditions.tip { 1.0 } else { 0.0 };
+        let places = (0..3 * tips.len()).map(|k| state.tip.rotation * Vector3::ith(k % 3, own(k)));
+        let placed: Vec<Vector3<f64>> = frame.chain(places).collect();
+        let mut curves = Vec::new();
+        let mut first = model.coefficients();
+        for curve in &model.0.curves {
+            if let Some((unit, waves)) = model.of_curve(curve, conditions, &drawn.joints, state) {
+                curves.push(ByWaves { first, by: moved(&unit), waves });
+            }
+            first += curve.waves.len();
+        }
+        let motion = Motion { by_coefficients, curves, placed };
         let beyond = of_curves * self.beyond_the_waves(conditions, state, &p);
-        let [of_geometry, of_placement] = variance(geometric_spread);
-        [variance(spread)[0] + beyond, of_geometry, of_placement]
+        let [of_all, _] = motion.variances(spread);
+        let [of_geometry, of_placement] = motion.variances(geometric_spread);
+        [of_all + beyond, of_geometry, of_placement]
     }
 
     /// Mean square of how a unit of the curves of joints that read beyond the interval of their waves moves the target: nothing is known there.
@@ -326,6 +325,65 @@ impl Averaged {
     }
 }
 
+/// How the target moves in one posture, base frame: by each coefficient, by the waves of each joint's curve, and by where it is placed.
+struct Motion {
+    by_coefficients: Vec<Vector3<f64>>,
+    curves: Vec<ByWaves>,
+    placed: Vec<Vector3<f64>>,
+}
+
+/// A joint's curve: all of its waves move the target along one line.
+struct ByWaves {
+    /// The number of its first wave.
+    first: usize,
+    /// How the target moves by a unit of the curve.
+    by: Vector3<f64>,
+    /// The curve by each wave.
+    waves: Vec<f64>,
+}
+
+impl Motion {
+    /// trace(Z S Zᵀ)/3 of all numbers of a spread, and of the places alone.
+    fn variances(&self, spread: &Spread) -> [f64; 2] {
+        let (kept, size) = (&spread.kept, spread.covariance.nrows());
+        let coefficients = kept.partition_point(|&number| number < self.by_coefficients.len());
+        let alone = kept[..coefficients].iter().map(|&number| &self.by_coefficients[number]).chain(&self.placed);
+        let alone: Vec<&Vector3<f64>> = alone.collect();
+        let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| alone.iter().map(|by| by[axis]).collect());
+        let curves = self.curves.iter().map(|curve| {
+            let below = |number: usize| kept.partition_point(|&other| other < number);
+            let own = below(curve.first)..below(curve.first + curve.waves.len());
+            let waves: Vec<f64> = kept[own.clone()].iter().map(|number| curve.waves[number - curve.first]).collect();
+            (own, &curve.by, waves)
+        });
+        let curves: Vec<_> = curves.collect();
+        let (mut sum, mut of_places) = (0.0, 0.0);
+        for (index, by) in alone.iter().enumerate() {
+            let column = if index < coefficients { index } else { index + kept.len() - coefficients };
+            let covariance = &spread.covariance.as_slice()[column * size..][..size];
+            for (axis, by) in axes.iter().zip(by.iter()) {
+                let (of_coefficients, of_placed) = axis.split_at(coefficients);
+                let by_places = by * dot(of_placed, &covariance[kept.len()..]);
+                sum += by * dot(of_coefficients, &covariance[..coefficients]) + by_places;
+                of_places += if index < coefficients { 0.0 } else { by_places };
+            }
+            for (own, along, waves) in &curves {
+                sum += 2.0 * by.dot(along) * dot(waves, &covariance[own.clone()]);
+            }
+        }
+        for (index, (own, along, waves)) in curves.iter().enumerate() {
+            for (column, wave) in own.clone().zip(waves) {
+                let covariance = &spread.covariance.as_slice()[column * size..][..size];
+                for (other, across, others) in &curves[..index] {
+                    sum += 2.0 * wave * along.dot(across) * dot(others, &covariance[other.clone()]);
+                }
+                sum += wave * along.norm_squared() * dot(waves, &covariance[own.clone()]);
+            }
+        }
+        [sum, of_places].map(|sum| (sum / 3.0).max(0.0))
+    }
+}
+
 /// Variance of a mixture of two that have these variances and are `apart` (squared): a `share` of the first.
 pub(crate) fn mixed(share: f64, [first, second]: [f64; 2], apart: f64) -> f64 {
     share * first + (1.0 - share) * second + share * (1.0 - share) * apart
@@ -357,4 +415,48 @@ fn timeless(model: &Everything, averages: &[Vec<f64>]) -> Everything {
         }
     }
     model
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ByWaves, Motion, Spread};
+    use denavit_model::nalgebra::{DMatrix, Matrix3xX, Vector3};
+    use proptest::prelude::*;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+
+    proptest! {
+        /// trace(Z S Zᵀ)/3, number by number.
+        #[test]
+        fn variances_by_joint_are_those_of_all_numbers(seed in 0..u64::MAX) {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut cell = || rng.random_range(-1.0..1.0);
+            let mut vector = || Vector3::from_fn(|_, _| cell());
+            let by_coefficients: Vec<Vector3<f64>> = (0..7).map(|_| vector()).collect();
+            let placed: Vec<Vector3<f64>> = (0..9).map(|_| vector()).collect();
+            let (lines, first) = ([vector(), vector(), vector()], [7, 11, 17]);
+            let waves = [4, 6, 3].map(|count| (0..count).map(|_| cell()).collect::<Vec<f64>>());
+            // A joint that does not move this tip: its waves are there, and move nothing.
+            let still = 1;
+            let curve = |k: usize| ByWaves { first: first[k], by: lines[k], waves: waves[k].clone() };
+            let curves = (0..3).filter(|k| *k != still).map(curve).collect();
+            let kept: Vec<usize> = (0..20).filter(|number| number % 5 != 3).collect();
+            let moved = |number: usize| match (0..3).rev().find(|k| first[*k] <= number) {
+                None => by_coefficients[number],
+                Some(k) if k == still => Vector3::zeros(),
+                Some(k) => lines[k] * waves[k][number - first[k]],
+            };
+            let columns: Vec<Vector3<f64>> = kept.iter().map(|number| moved(*number)).chain(placed.clone()).collect();
+            let z = Matrix3xX::from_columns(&columns);
+            let root = DMatrix::from_fn(columns.len(), columns.len(), |_, _| cell());
+            let covariance = &root * root.transpose();
+            let places = z.columns(kept.len(), 9).into_owned();
+            let of_places = covariance.view((kept.len(), kept.len()), (9, 9)).into_owned();
+            let wanted = [(&z * &covariance * z.transpose()).trace(), (&places * of_places * places.transpose()).trace()];
+            let found = Motion { by_coefficients, curves, placed }.variances(&Spread { kept, covariance });
+            for (found, wanted) in found.iter().zip(wanted) {
+                prop_assert!((3.0 * found - wanted).abs() < 1e-10 * wanted, "{found} against {}", wanted / 3.0);
+            }
+        }
+    }
 }

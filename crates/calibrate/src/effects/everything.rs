@@ -74,18 +74,29 @@ impl Everything {
         for curve in &self.0.curves {
             let (own, rest) = of_waves.split_at_mut(curve.waves.len());
             of_waves = rest;
-            if !self.0.statics.tips[conditions.tip].joints[curve.joint] {
-                continue;
-            }
-            let joint = &joints[curve.joint];
-            let action = Action::Twist { slot: curve.joint, twist: joint.screw.twist() };
-            let mut unit = Sensitivity::default();
-            add_sensitivity(&action, 1.0, state, &mut unit);
-            let reading = self.0.statics.chain.joints()[curve.joint].value(conditions.reading);
-            for (out, wave) in own.iter_mut().zip(curve.waves.values(reading)) {
+            let Some((unit, waves)) = self.of_curve(curve, conditions, joints, state) else { continue };
+            for (out, wave) in own.iter_mut().zip(waves) {
                 out.twist += unit.twist * wave;
             }
         }
+    }
+
+    /// How the tip moves per unit of a curve's value, and that per unit of each wave; none where its joint does not move the tip.
+    pub(crate) fn of_curve(
+        &self,
+        curve: &Curve,
+        conditions: &Conditions<'_>,
+        joints: &[ChainJoint],
+        state: &RowState,
+    ) -> Option<(Sensitivity, Vec<f64>)> {
+        if !self.0.statics.tips[conditions.tip].joints[curve.joint] {
+            return None;
+        }
+        let action = Action::Twist { slot: curve.joint, twist: joints[curve.joint].screw.twist() };
+        let mut unit = Sensitivity::default();
+        add_sensitivity(&action, 1.0, state, &mut unit);
+        let reading = self.0.statics.chain.joints()[curve.joint].value(conditions.reading);
+        Some((unit, curve.waves.values(reading)))
     }
 }
 

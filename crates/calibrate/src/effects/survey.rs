@@ -327,7 +327,7 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
 }
 
 /// Adds what the order of the rows tells: run order, and for each joint the side from which it came, how far it has wound itself up and how
-/// warm its own work has made it.
+/// warm its own work has made it. Rows of a longer run that have it already keep what that told.
 pub fn with_run_order(data: Measurements) -> Measurements {
     ordered(data, None)
 }
@@ -339,6 +339,9 @@ pub fn with_run_order_after(data: Measurements, before: &Measurements) -> Measur
 }
 
 fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurements {
+    if data.covariate(RUN_ORDER).is_some() {
+        return data;
+    }
     let first = before.map_or(0, Measurements::len);
     let rows = data.len();
     let order = (0..rows).map(|row| (first + row) as f64).collect();
@@ -374,4 +377,19 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
         }
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_run_order;
+    use crate::apply::simulate::{SimulationOptions, simulate};
+    use crate::observation::parameters::NoEffects;
+    use denavit_model::examples;
+
+    #[test]
+    fn rows_of_a_longer_run_keep_what_its_order_told() {
+        let run = with_run_order(simulate(&examples::puma_like(), &SimulationOptions::default(), &NoEffects).data);
+        let some = run.subset(&[3, 8, 20]);
+        assert_eq!(with_run_order(some.clone()), some);
+    }
 }

@@ -159,17 +159,26 @@ impl Residual {
 /// # Shape and units
 /// The arm's targets, instruments and points are those of `data`: see [`placed`].
 pub fn residuals<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
-    let of_rows = |(): &mut (), rows| EachResidual::of(rows, arm, effects, data).collect::<Vec<Residual>>();
-    in_stretches(data.len(), || (), of_rows).concat()
+    residuals_of(0..data.len(), arm, effects, data)
 }
 
-/// As [`residuals`], one after the other: of a million rows they need not all be kept.
+/// As [`residuals`], of some rows.
+pub fn residuals_of<E: Effects>(rows: Range<usize>, arm: &Arm, effects: &E, data: &Measurements) -> Vec<Residual> {
+    let first = rows.start;
+    let of_rows = |(): &mut (), rows: Range<usize>| {
+        EachResidual::of(rows.start + first..rows.end + first, arm, effects, data).collect::<Vec<Residual>>()
+    };
+    in_stretches(rows.len(), || (), of_rows).concat()
+}
+
+/// As [`residuals`] of some rows, one after the other: of a million they need not all be kept.
 pub fn each_residual<'a, E: Effects>(
+    rows: Range<usize>,
     arm: &'a Arm,
     effects: &'a E,
     data: &'a Measurements,
 ) -> impl Iterator<Item = Residual> {
-    EachResidual::of(0..data.len(), arm, effects, data)
+    EachResidual::of(rows, arm, effects, data)
 }
 
 struct EachResidual<'a, E: Effects> {
@@ -518,6 +527,17 @@ impl<'s> ErrorSums<'s> {
                 *squares += norm * norm;
                 *most = most.max(norm);
             }
+        }
+    }
+
+    /// Counts those that others counted.
+    pub fn add_all(&mut self, others: &Self) {
+        for (own, other) in self.of_channels.iter_mut().zip(&others.of_channels) {
+            let [count, sum, squares, most] = own;
+            *count += other[0];
+            *sum += other[1];
+            *squares += other[2];
+            *most = most.max(other[3]);
         }
     }
 

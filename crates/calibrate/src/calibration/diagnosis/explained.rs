@@ -93,7 +93,7 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
     let scene = &data.scene;
     let mut series: Vec<Series> = Vec::new();
     series.resize_with(scene.series.len(), Series::default);
-    for residual in each_residual(&fit.arm, &NoEffects, data) {
+    for residual in each_residual(0..data.len(), &fit.arm, &NoEffects, data) {
         if fit.weights[residual.observation] <= 0.0 {
             continue;
         }
