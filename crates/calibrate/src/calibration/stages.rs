@@ -105,7 +105,9 @@ fn errors_of_kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Errors {
         sums
     };
     let mut all = ErrorSums::new(&train.scene);
-    in_stretches(train.len(), || (), of_rows).iter().for_each(|sums| all.add_all(sums));
+    for sums in in_stretches(train.len(), || (), of_rows) {
+        all.add_all(&sums);
+    }
     all.errors()
 }
 
