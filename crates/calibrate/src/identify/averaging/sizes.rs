@@ -19,7 +19,7 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Half of all families are expected to be smaller than this, rad or m; play: an arc minute, as catalogues of reducers have it; axes that
-/// wobble or slide as they turn: crossed roller bearings run out by some 10 µm on 0.1 m.
+/// wobble or slide as they turn: taken as 10 µm on 0.1 m. A third of that did the same on fifteen to thirty rows of a UR5; ten times that did harm.
 const USUAL: f64 = 1e-3;
 const USUAL_PLAY: f64 = 2.9e-4;
 const USUAL_RUNOUT: f64 = 1e-4;
