@@ -184,8 +184,8 @@ fn what_few_rows_say_of_warmth_is_not_carried_to_another_pace() {
     assert!(adopted < geometric, "{adopted:e} against {geometric:e}");
 }
 
-/// A robot that is more than two of its tolerances off its drawing, and fifteen positions: axes that wobble or slide by as much as no bearing
-/// lets them explained what links did, and the average was worse than geometry alone by up to 24 %.
+/// Links with errors of more than two tolerances, and fifteen positions: larger wobble and pitch than any bearing has explained these errors,
+/// and the average was worse than geometry alone by up to 24 %.
 #[test]
 fn fifteen_rows_do_not_make_axes_wobble() {
     let (chain, statics) = drawn("universal_robots/ur5.urdf");

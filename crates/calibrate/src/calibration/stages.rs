@@ -18,7 +18,6 @@ use crate::observation::parameters::{Effects, NoEffects};
 use crate::trace::infer::curves::CurveFit;
 use crate::trace::{Finding, Trace};
 use std::borrow::Cow;
-use std::ops::Range;
 
 /// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
 const GEOMETRIC: &str = "geometric";
@@ -85,23 +84,21 @@ impl Calibration {
 
 /// Residuals of the fitted rows that were kept.
 pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
-    each_kept(fit, train, 0..train.len()).collect()
+    let mut all = residuals(&fit.arm, &fit.effects, train);
+    all.retain(|residual| is_kept(fit, residual));
+    all
 }
 
-fn each_kept<'a, E: Effects>(
-    fit: &'a Fit<E>,
-    train: &'a Measurements,
-    rows: Range<usize>,
-) -> impl Iterator<Item = Residual> {
-    let kept = move |residual: &Residual| fit.weights[residual.observation] > 0.0;
-    each_residual(rows, &fit.arm, &fit.effects, train).filter(kept)
+fn is_kept<E>(fit: &Fit<E>, residual: &Residual) -> bool {
+    fit.weights[residual.observation] > 0.0
 }
 
 /// Errors of the fitted rows that were kept.
 fn errors_of_kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Errors {
     let of_rows = |(): &mut (), rows| {
         let mut sums = ErrorSums::new(&train.scene);
-        each_kept(fit, train, rows).for_each(|residual| sums.add(&residual));
+        let own = each_residual(rows, &fit.arm, &fit.effects, train).filter(|residual| is_kept(fit, residual));
+        own.for_each(|residual| sums.add(&residual));
         sums
     };
     let mut all = ErrorSums::new(&train.scene);

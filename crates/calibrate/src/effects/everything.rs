@@ -60,27 +60,6 @@ impl Everything {
         (Self(model), places)
     }
 
-    /// How the tip moves per unit of each number, under these conditions and where the arm stands.
-    pub(crate) fn sensitivities_of(
-        &self,
-        conditions: &Conditions<'_>,
-        joints: &[ChainJoint],
-        standing: &mut Standing,
-        state: &RowState,
-        out: &mut [Sensitivity],
-    ) {
-        let (of_effects, mut of_waves) = out.split_at_mut(self.coefficients());
-        self.0.sensitivities_of(conditions, standing, state, of_effects);
-        for curve in &self.0.curves {
-            let (own, rest) = of_waves.split_at_mut(curve.waves.len());
-            of_waves = rest;
-            let Some((unit, waves)) = self.of_curve(curve, conditions, joints, state) else { continue };
-            for (out, wave) in own.iter_mut().zip(waves) {
-                out.twist += unit.twist * wave;
-            }
-        }
-    }
-
     /// How the tip moves per unit of a curve's value, and that per unit of each wave; none where its joint does not move the tip.
     pub(crate) fn of_curve(
         &self,
@@ -128,7 +107,17 @@ impl Effects for Everything {
         at: Perturbed<'_>,
         out: &mut [Sensitivity],
     ) {
-        self.sensitivities_of(&Conditions::of(row), &arm.joints, standing, at.state, out);
+        let conditions = Conditions::of(row);
+        let (of_effects, mut of_waves) = out.split_at_mut(self.coefficients());
+        self.0.sensitivities_of(&conditions, standing, at.state, of_effects);
+        for curve in &self.0.curves {
+            let (own, rest) = of_waves.split_at_mut(curve.waves.len());
+            of_waves = rest;
+            let Some((unit, waves)) = self.of_curve(curve, &conditions, &arm.joints, at.state) else { continue };
+            for (out, wave) in own.iter_mut().zip(waves) {
+                out.twist += unit.twist * wave;
+            }
+        }
     }
 
     fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
