@@ -9,11 +9,8 @@
 pub mod infer;
 
 mod by_carrier;
-mod contest;
 mod downdate;
-mod drifts;
 mod findings;
-mod holdout;
 pub(crate) mod linear;
 pub mod loads;
 pub mod masses;

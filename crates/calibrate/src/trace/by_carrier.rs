@@ -190,8 +190,10 @@ mod tests {
     use crate::observation::kinds::{POSE, POSITION};
     use crate::observation::parameters::NoEffects;
     use crate::trace::TraceOptions;
+    use crate::trace::projector::{Products, Projector, UNSEEN};
     use crate::trace::select::Tracer;
     use denavit_model::examples;
+    use denavit_model::nalgebra::DVector;
 
     /// Every candidate of the catalogue, with outliers whose rows are left out, beside a model with an effect of its own.
     #[test]
@@ -205,11 +207,13 @@ mod tests {
             let tracer = Tracer::new(&statics, &data, &geometric, &options);
             let state = tracer.refitted(vec![tracer.candidates[7].clone()], None);
             let linear = tracer.linear(&state);
-            let (others, residual) = state.parts(linear, &[0]);
-            let (scorer, projector) = (tracer.scorer(linear), linear.loose().beside(&[&others], &residual));
+            let coefficients = DVector::from_column_slice(&state.fit.effects.effects[0].coefficients);
+            let residual = &linear.residual - &linear.effects * coefficients;
+            let (scorer, projector) = (tracer.scorer(linear), Projector::new(&[&linear.geometry], &residual));
             let mut seen = 0;
             for scored in tracer.scored(&state, &tracer.loosely_without(&state, &[0])) {
-                let written = projector.gain_of(&scorer.columns(&scored.candidate.term));
+                let columns = scorer.columns(&scored.candidate.term);
+                let written = Products::of(&projector, columns.as_slice(), &[columns.ncols()]).gains(UNSEEN)[0];
                 let name = format!("{:?}", scored.candidate.term);
                 assert_eq!(scored.gain.rank, written.rank, "{name}");
                 let off = (scored.gain.drop - written.drop).abs();

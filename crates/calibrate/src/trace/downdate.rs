@@ -101,7 +101,7 @@ impl<'a> Reduced<'a> {
     }
 
     /// What each block of columns explains alone, of which these are the products with the model as it is with all effects; see
-    /// [`Projector::gains`].
+    /// [`Products::gains`].
     pub fn gains(&self, products: &Products, least: f64) -> Vec<Gain> {
         let (lost, rank) = (self.along.len(), self.model.rank());
         let shares = cross_gram(&self.directions, &products.shares, rank);
@@ -156,7 +156,7 @@ mod tests {
             let found = whole.leaving_out(left_out);
             assert_eq!(found.rank(), part.rank(), "{left_out:?}");
             assert!((found.rss() - part.rss).abs() < 1e-12, "{left_out:?}: {} {}", found.rss(), part.rss);
-            let direct = part.gains(columns.as_slice(), &[1, 2], UNSEEN);
+            let direct = Products::of(&part, columns.as_slice(), &[1, 2]).gains(UNSEEN);
             for (found, wanted) in found.gains(&products, UNSEEN).iter().zip(direct) {
                 assert!((found.drop - wanted.drop).abs() < 1e-12 && found.rank == wanted.rank, "{found:?} {wanted:?}");
             }

@@ -14,8 +14,7 @@ use crate::observation::parameters::Effects;
 use crate::observation::symmetric;
 use crate::trace::projector::Projector;
 use crate::trace::search::postures;
-use denavit_model::nalgebra::allocator::Allocator;
-use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector, DefaultAllocator, Dim, Dyn, OMatrix};
+use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
 use std::sync::OnceLock;
 
 /// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
@@ -45,14 +44,8 @@ pub struct Linear {
     /// Effects and arm about which it was linearised.
     at: (EffectModel, Arm),
     postures: OnceLock<Vec<Posture>>,
-    of_geometry: Geometry,
-}
-
-/// What geometry can do: formed once for all that is tested beside it.
-#[derive(Debug, Clone, Default)]
-struct Geometry {
+    /// What geometry can do: formed once for all that is tested beside it.
     loose: OnceLock<Projector>,
-    firm: OnceLock<Projector>,
 }
 
 /// Linearises a fit about its state, with columns for these carriers.
@@ -94,7 +87,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
         weights: Vec::with_capacity(values),
         at: (model.clone(), fit.arm.clone()),
         postures: OnceLock::new(),
-        of_geometry: Geometry::default(),
+        loose: OnceLock::new(),
     };
     let mut from = 0;
     for stretch in stretches {
@@ -202,25 +195,9 @@ impl Linear {
         self.rows.len()
     }
 
-    /// Rows of the prior, made as firm as the fit has them.
-    pub fn firm<C: Dim>(&self, columns: &OMatrix<f64, Dyn, C>) -> OMatrix<f64, Dyn, C>
-    where
-        DefaultAllocator: Allocator<Dyn, C>,
-    {
-        let mut firm = columns.clone();
-        let priors = firm.nrows() - self.values();
-        firm.rows_mut(self.values(), priors).scale_mut(RELAXED);
-        firm
-    }
-
     /// What geometry can do, far beyond its tolerances.
     pub fn loose(&self) -> &Projector {
-        self.of_geometry.loose.get_or_init(|| Projector::new(&[&self.geometry], &self.residual))
-    }
-
-    /// What geometry can do in its tolerances.
-    pub fn in_tolerances(&self) -> &Projector {
-        self.of_geometry.firm.get_or_init(|| Projector::new(&[&self.firm(&self.geometry)], &self.residual))
+        self.loose.get_or_init(|| Projector::new(&[&self.geometry], &self.residual))
     }
 
     /// Columns of one carrier.

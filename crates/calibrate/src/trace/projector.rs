@@ -86,24 +86,6 @@ impl Projector {
     pub fn rank(&self) -> usize {
         self.basis.ncols()
     }
-
-    /// What each of several blocks of raw columns explains, each alone: `blocks` says how many columns each has.
-    ///
-    /// A column of which less than the share `least` is left, beside the model and the columns of its block before it,
-    /// counts as nothing.
-    pub fn gains(&self, columns: &[f64], blocks: &[usize], least: f64) -> Vec<Gain> {
-        Products::of(self, columns, blocks).gains(least)
-    }
-
-    /// What a matrix of raw columns explains.
-    pub fn gain_of(&self, columns: &DMatrix<f64>) -> Gain {
-        self.gain_of_seen(columns, UNSEEN)
-    }
-
-    /// The same, with another share of a column that must be left.
-    pub fn gain_of_seen(&self, columns: &DMatrix<f64>, least: f64) -> Gain {
-        self.gains(columns.as_slice(), &[columns.ncols()], least)[0]
-    }
 }
 
 /// Takes out of a column what lies along each of these of length 1.
@@ -222,7 +204,8 @@ impl Products {
         self.left.get_or_init(left)
     }
 
-    /// What each block explains alone; see [`Projector::gains`].
+    /// What each block explains alone. A column of which less than the share `least` is left, beside the model and the columns of its block
+    /// before it, counts as nothing.
     pub fn gains(&self, least: f64) -> Vec<Gain> {
         let (mut first, mut before) = (0, 0);
         let block_gain = |&count: &usize| {
@@ -274,7 +257,7 @@ mod tests {
             (&residual - a * solution).norm_squared()
         };
         let projector = Projector::new(&[&model], &residual);
-        let gain = projector.gain_of(&block);
+        let gain = Products::of(&projector, block.as_slice(), &[2]).gains(UNSEEN)[0];
         assert!((gain.drop - (rss(&model) - rss(&both))).abs() < 1e-10 && gain.rank == 2);
     }
 
@@ -284,6 +267,6 @@ mod tests {
         let residual = DVector::from_fn(8, |i, _| i as f64);
         let projector = Projector::new(&[&model], &residual);
         let implied = &model * DMatrix::from_column_slice(3, 1, &[1.0, -2.0, 0.5]);
-        assert_eq!(projector.gain_of(&implied), Gain { drop: 0.0, rank: 0 });
+        assert_eq!(Products::of(&projector, implied.as_slice(), &[1]).gains(UNSEEN)[0], Gain { drop: 0.0, rank: 0 });
     }
 }

@@ -91,8 +91,19 @@ impl CandidateScorer<'_> {
                     at[k] = self.best_place((&here, model), candidate, &covariate, &at, k, &places);
                 }
                 at.sort_by(f64::total_cmp);
-                let scanned = at.len();
-                score(Driver::Steps { covariate, at }, scanned)
+                let with =
+                    |at: &[f64]| score(Driver::Steps { covariate: covariate.clone(), at: at.to_vec() }, at.len());
+                let mut best = with(&at);
+                // A step that stood for one elsewhere goes once that is there.
+                while at.len() > 1 {
+                    let fewer = (0..at.len()).map(|out| [&at[..out], &at[out + 1..]].concat());
+                    let tried = fewer.map(|at| (with(&at), at)).max_by(|a, b| a.0.delta_bic.total_cmp(&b.0.delta_bic));
+                    let Some((fewer, places)) = tried.filter(|(fewer, _)| fewer.delta_bic > best.delta_bic) else {
+                        break;
+                    };
+                    (best, at) = (fewer, places);
+                }
+                best
             }
             driver => score(driver, candidate.scanned),
         }

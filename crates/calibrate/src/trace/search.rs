@@ -4,7 +4,7 @@ use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, Kind};
 use crate::effects::driver::{Conditions, Posture, Statics};
 use crate::effects::model::{Coupling, EffectModel, Term};
-use crate::identify::threads::{get_or_make, in_parallel, in_stretches, join};
+use crate::identify::threads::{get_or_make, in_parallel, in_stretches};
 use crate::observation::arm::{Arm, Perturbation, Row};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::Effects as _;
@@ -44,17 +44,6 @@ impl Scored {
     }
 }
 
-/// What the model can do, with geometry on a loose and on a firm prior.
-///
-/// An effect is claimed against loose geometry; of two that both pass, the one that needs less of it is the better.
-#[derive(Debug, Clone)]
-pub struct Models<'a> {
-    /// Geometry far beyond its tolerances.
-    pub loose: Reduced<'a>,
-    /// Geometry in its tolerances.
-    pub firm: Reduced<'a>,
-}
-
 /// Scores candidates against the model linearised at a state.
 #[derive(Debug, Clone, Copy)]
 pub struct CandidateScorer<'a> {
@@ -83,34 +72,21 @@ pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Post
 #[derive(Debug)]
 pub(crate) struct Linearised {
     pub(crate) linear: Linear,
-    /// Loose geometry and all effects, firm geometry and all effects.
+    /// Loose geometry and all effects.
     loose: OnceLock<Whole>,
-    firm: OnceLock<Whole>,
     /// With the candidate that each block is of.
     products: OnceLock<(Products, Vec<usize>)>,
 }
 
 impl Linearised {
     pub(crate) fn new(linear: Linear) -> Self {
-        Self { linear, loose: OnceLock::new(), firm: OnceLock::new(), products: OnceLock::new() }
+        Self { linear, loose: OnceLock::new(), products: OnceLock::new() }
     }
 
     /// Geometry far beyond its tolerances, and all effects.
     pub(crate) fn loose(&self) -> &Whole {
         let Linear { residual, effects, .. } = &self.linear;
         get_or_make(&self.loose, || Whole::new(self.linear.loose(), effects, residual))
-    }
-
-    /// Geometry in its tolerances, and all effects (zero in the rows of the prior).
-    pub(crate) fn firm(&self) -> &Whole {
-        let Linear { residual, effects, .. } = &self.linear;
-        get_or_make(&self.firm, || Whole::new(self.linear.in_tolerances(), effects, &self.linear.firm(residual)))
-    }
-
-    /// With all effects.
-    pub(crate) fn models(&self) -> Models<'_> {
-        let (loose, firm) = join(|| self.loose().leaving_out(&[]), || self.firm().leaving_out(&[]));
-        Models { loose, firm }
     }
 }
 
@@ -187,12 +163,6 @@ impl CandidateScorer<'_> {
         values
     }
 
-    /// Scores every candidate against the model, in the order given.
-    pub fn score(&self, model: &Projector, candidates: &[Candidate]) -> Vec<Scored> {
-        let (products, order) = self.products(model, candidates, &[]);
-        self.all_judged(&Reduced::nothing(model), candidates, products.gains(UNSEEN), &order)
-    }
-
     /// Every candidate with its gain, where these are in another order.
     fn all_judged(
         &self,
@@ -241,11 +211,6 @@ impl CandidateScorer<'_> {
     /// What an effect of the model explains when it is put back.
     pub fn own(&self, model: &Reduced<'_>, candidate: &Candidate) -> Scored {
         self.judged(model, candidate, model.gain_of(&self.columns(&candidate.term)))
-    }
-
-    /// How much the criterion falls with geometry on its firm prior, less the kind's handicap.
-    pub fn firm_bic(&self, models: &Models<'_>, candidate: &Candidate) -> f64 {
-        self.own(&models.firm, candidate).delta_bic - handicap(candidate.term.kind)
     }
 
     /// Scores a gain: information criterion and F-test.

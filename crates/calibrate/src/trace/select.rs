@@ -1,4 +1,4 @@
-//! The search: add the best, refit, swap, merge, drop, and say what cannot be told apart.
+//! The search that proposes: add the best, refit, and say what comes near. What acts is said by the judgement.
 
 use crate::effects::carrier::Carrier;
 use crate::effects::catalogue::{Candidate, KINDS, Kind};
@@ -8,42 +8,33 @@ use crate::effects::survey::Survey;
 use crate::identify::averaging::LEAST_REJECTED;
 use crate::identify::fit_stage;
 use crate::identify::solve::{Fit, FitOptions};
-use crate::identify::threads::{available, each_alone, get_or_make, in_parallel, join};
+use crate::identify::threads::{get_or_make, in_parallel};
 use crate::observation::arm::Arm;
 use crate::observation::kinds::{DISTANCE, POSE, POSITION};
 use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
-use crate::trace::downdate::{Reduced, Whole};
-use crate::trace::drifts::COARSE;
-use crate::trace::holdout::{Folds, held_out};
+use crate::trace::downdate::Reduced;
 use crate::trace::linear::{Linear, linearise};
-use crate::trace::search::{CandidateScorer, Linearised, Models, Scored, carriers_of, driven, leaders};
+use crate::trace::search::{CandidateScorer, Linearised, Scored, carriers_of, driven, handicap, leaders};
 use crate::trace::unexplained::{self, Block};
 use crate::trace::{ScanCell, TraceOptions};
-use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
-pub(crate) const LEAST_DELTA_BIC: f64 = 10.0;
-/// A swap must gain this much, or the search would go round in circles.
-pub(crate) const SWAP_GAIN: f64 = 2.0;
+const LEAST_DELTA_BIC: f64 = 10.0;
 /// Scanned numbers that explain no more than this (χ²) beyond those at hand are the same.
 const SAME_DROP: f64 = 0.1;
-/// States that hold the same kinds and whose criteria differ by less than this are one.
-const SAME: f64 = 0.5;
-/// Changes of one effect for another by fitting both, at the end.
-const MOST_CONTESTS: usize = 3;
 /// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
 const FAR_OFF: f64 = 0.02;
-/// Changes for the better, one after the other, at most.
-const MOST_CHANGES: usize = 8;
 /// An effect that explains less than this share of what the present one does is no contender.
-pub(crate) const CONTENDS: f64 = 0.7;
+const CONTENDS: f64 = 0.7;
+/// So many contenders of each effect are proposed.
+const NEAREST: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
 /// So many of the best that could still be added are proposed.
 const PROPOSED: usize = 24;
-/// χ² that the last step of a fit may promise: far less than what a swap must gain.
+/// χ² that the last step of a fit may promise: far less than what an effect must gain.
 const PROMISE_AT_END: f64 = 1e-2;
 /// So many effects may hide behind rejected rows.
 const MOST_LOCAL: usize = 3;
@@ -52,10 +43,6 @@ const MOST_LOCAL: usize = 3;
 const STEPPED: usize = 8;
 /// Pull of a rejected row that comes back, in units of the noise.
 const BOUNDED: f64 = 4.0;
-/// Where structure is left that no entry explains, an effect that explains less than this share of it is spurious and not named.
-const SPURIOUS: f64 = 0.5;
-/// So is one that explains less than this many times what is left, if it adds nothing beside that structure.
-const SPURIOUS_BESIDE: f64 = 3.0;
 
 /// The search and what it works with.
 pub struct Tracer<'a> {
@@ -85,8 +72,8 @@ pub struct State {
 pub struct Proposals {
     /// The terms.
     pub(crate) candidates: Vec<Candidate>,
-    /// The models that the search ended with.
-    pub(crate) states: Vec<State>,
+    /// The model that the search ended with.
+    pub(crate) state: State,
     /// The first pass.
     pub(crate) scan: Vec<ScanCell>,
 }
@@ -103,24 +90,6 @@ impl State {
         let numbers = all.flat_map(|(index, effect)| effect.coefficients.iter().map(move |number| (index, *number)));
         let own = numbers.enumerate().filter(|(_, (index, _))| effects.contains(index));
         own.map(|(column, (_, number))| (column, number)).collect()
-    }
-
-    /// The columns of the other effects, and the residual without these.
-    pub(crate) fn parts(&self, linear: &Linear, left_out: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
-        let mut residual = linear.residual.clone();
-        let mut kept = Vec::new();
-        let mut column = 0;
-        for (index, effect) in self.fit.effects.effects.iter().enumerate() {
-            for coefficient in &effect.coefficients {
-                if left_out.contains(&index) {
-                    residual.axpy(-coefficient, &linear.effects.column(column), 1.0);
-                } else {
-                    kept.push(column);
-                }
-                column += 1;
-            }
-        }
-        (linear.effects.select_columns(kept.iter()), residual)
     }
 }
 
@@ -155,50 +124,28 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The terms that are worth being judged: a search step by step, from geometry alone.
-    pub fn run(&self) -> Proposals {
-        self.ended(self.searched())
-    }
-
-    /// The same where the search looks at some of the rows: so many show what there is to be found, but not to the last digit where it is.
-    pub(crate) fn run_on(&self, data: &Measurements, geometric: &Fit<NoEffects>) -> Proposals {
-        self.ended(self.on(data, geometric).searched())
-    }
-
-    /// What a search proposes, its states as all rows have them.
-    fn ended(&self, Proposals { mut candidates, states, scan }: Proposals) -> Proposals {
-        let mut ended: Vec<State> = Vec::with_capacity(states.len());
-        for (index, state) in states.iter().enumerate() {
-            let known = states[..index].iter().position(|other| same_terms(&other.chosen, &state.chosen));
-            let all = known.map_or_else(|| self.on_all_rows(state), |known| ended[known].clone());
-            for (some, all) in state.chosen.iter().zip(&all.chosen) {
-                candidates
-                    .iter_mut()
-                    .filter(|candidate| candidate.term == some.term)
-                    .for_each(|candidate| *candidate = all.clone());
-            }
-            ended.push(all);
-        }
-        Proposals { candidates, states: ended, scan }
-    }
-
-    /// A state that was found on some of the rows, or on all, its scanned numbers where all say that they are.
-    fn on_all_rows(&self, state: &State) -> State {
-        let mut all = if state.fit.weights.len() == self.data.observations() {
-            state.clone()
-        } else {
-            let fitted = self.refitted(state.chosen.clone(), Some(state));
-            self.moved(&fitted).unwrap_or(fitted)
+    /// The terms that are worth being judged: a search step by step, from geometry alone. `some`: the rows that it looks at and the fit there, if
+    /// they are not all. These show what there is to be found, but not to the last digit where it is.
+    pub(crate) fn proposals(&self, some: Option<(&Measurements, &Fit<NoEffects>)>) -> Proposals {
+        let Proposals { mut candidates, state: found, scan } = match some {
+            Some((data, geometric)) => self.on(data, geometric).searched(),
+            None => self.searched(),
         };
-        for _ in 0..MOST_CHANGES {
-            let before = rejected(&all.fit);
-            if before == 0 {
-                break;
+        let mut state = match some {
+            Some(_) => {
+                let fitted = self.refitted(found.chosen.clone(), Some(&found));
+                self.moved(&fitted).unwrap_or(fitted)
             }
-            let Some(next) = self.moved(&all).filter(|next| rejected(&next.fit) < before) else { break };
-            all = next;
+            None => found.clone(),
+        };
+        while let Some(next) = self.moved(&state).filter(|next| rejected(&next.fit) < rejected(&state.fit)) {
+            state = next;
         }
-        all
+        for (found, moved) in found.chosen.iter().zip(&state.chosen) {
+            let same = candidates.iter_mut().filter(|candidate| candidate.term == found.term);
+            same.for_each(|candidate| *candidate = moved.clone());
+        }
+        Proposals { candidates, state, scan }
     }
 
     /// A state with its scanned numbers where all rows say that they are, those that it takes for outliers as well, if that is elsewhere: a step
@@ -242,53 +189,34 @@ impl<'a> Tracer<'a> {
             state = next;
         }
         let mut scan = Vec::new();
-        let most = self.options.max_effects.map_or(STEPPED, |most| most.min(STEPPED));
-        while state.chosen.len() < most {
+        for _ in 0..self.options.max_effects.map_or(STEPPED, |most| most.min(STEPPED)) {
             let Some(next) = self.asked_for(&state, &mut scan) else { break };
-            let before = state.clone();
-            state = self.pruned(self.added(&state, &next));
-            if let Some(next) = self.separated(&state, COARSE) {
-                state = self.rescanned(next);
-            }
-            if self.criterion(&before) - self.criterion(&state) < LEAST_DELTA_BIC {
-                // What is asked for where a model stands need not be worth it when all is fitted with it.
-                state = before;
-                break;
-            }
+            state = self.rescanned(self.added(&state, &next));
         }
-        if let Some(next) = self.separated(&state, 0) {
-            state = self.rescanned(next);
+        for index in 0..state.chosen.len() {
+            state = self.swapped(&state, index).unwrap_or(state);
         }
         let mut candidates = Vec::new();
         self.propose(&state, &mut candidates);
-        let mut plain = self.without_spurious(&state);
-        for _ in 0..MOST_CONTESTS {
-            let Some(next) = self.contested(&plain, 0..plain.chosen.len()) else { break };
-            plain = self.without_spurious(&next);
-        }
-        if !same_terms(&plain.chosen, &state.chosen) {
-            self.propose(&plain, &mut candidates);
-        }
-        if !state.chosen.is_empty() && !plain.chosen.is_empty() {
+        if !state.chosen.is_empty() {
             self.propose(&bare, &mut candidates);
         }
-        Proposals { candidates, states: vec![plain, state], scan }
+        Proposals { candidates, state, scan }
     }
 
     /// What the data ask for first beside a state, if they do.
     fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
-        let models = self.linearised(state).models();
-        let mut scored = self.scored(state, &models.loose);
+        let model = self.loosely_without(state, &[]);
+        let mut scored = self.scored(state, &model);
         if scan.is_empty() {
             *scan = self.scan(&scored);
         }
         if self.far_off(state) {
             scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
         }
-        let best = self.best(&scorer, &models, &scored)?;
-        self.helps_held_out(&scorer, &best).then_some(best.candidate)
+        self.best(&scorer, &model, &scored)
     }
 
     /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
@@ -305,11 +233,7 @@ impl<'a> Tracer<'a> {
             }
         };
         state.chosen.iter().cloned().for_each(&mut add);
-        for index in 0..state.chosen.len() {
-            for mut set in self.contenders(state, index..index + 1) {
-                add(set.swap_remove(index));
-            }
-        }
+        (0..state.chosen.len()).flat_map(|index| self.contenders(state, index)).for_each(&mut add);
         let linear = self.linear(state);
         let model = self.loosely_without(state, &[]);
         let scorer = self.scorer(linear);
@@ -348,11 +272,11 @@ impl<'a> Tracer<'a> {
         }
         let open = self.opened(state);
         let linear = self.linear(&open);
-        let models = self.linearised(&open).models();
+        let model = self.loosely_without(&open, &[]);
         let scorer = self.scorer(linear);
-        let scored = self.scored(&open, &models.loose);
-        let best = self.best(&scorer, &models, &scored)?;
-        let next = self.rescanned(self.added(state, &best.candidate));
+        let scored = self.scored(&open, &model);
+        let best = self.best(&scorer, &model, &scored)?;
+        let next = self.rescanned(self.added(state, &best));
         // Rows that the place as first scanned left out may come back.
         let next = self.refitted(next.chosen.clone(), Some(&next));
         (rejected(&next.fit) * 2 <= before).then_some(next)
@@ -384,23 +308,17 @@ impl<'a> Tracer<'a> {
         self.linearised(state).loose().leaving_out(&state.columns_of(left_out))
     }
 
-    /// The same on loose geometry and on geometry in its tolerances.
-    fn models_leaving_out<'b>(&self, state: &'b State, left_out: &[usize]) -> Models<'b> {
-        let (at, columns) = (self.linearised(state), state.columns_of(left_out));
-        Models { loose: at.loose().leaving_out(&columns), firm: at.firm().leaving_out(&columns) }
-    }
-
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
         CandidateScorer { data: self.data, statics: self.statics, linear }
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    pub(crate) fn best(&self, scorer: &CandidateScorer<'_>, models: &Models<'_>, scored: &[Scored]) -> Option<Scored> {
+    fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Candidate> {
         let leaders = leaders(scored, REFINED, None);
-        let leaders = in_parallel(&leaders, |leader| scorer.refined(&models.loose, &self.survey, leader));
-        let firm = |scored: &Scored| scorer.firm_bic(models, &scored.candidate);
-        let judged = leaders.into_iter().filter(|scored| self.passes(scored)).map(|scored| (firm(&scored), scored));
-        judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, scored)| scored)
+        let leaders = in_parallel(&leaders, |leader| scorer.refined(model, &self.survey, leader));
+        let worth = |scored: &Scored| scored.delta_bic - handicap(scored.candidate.term.kind);
+        let passing = leaders.into_iter().filter(|scored| self.passes(scored));
+        passing.max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|best| best.candidate)
     }
 
     /// Beyond chance, with the whole search counted.
@@ -413,50 +331,10 @@ impl<'a> Tracer<'a> {
         (p_value * self.candidates.len() as f64).min(1.0)
     }
 
-    fn helps_held_out(&self, scorer: &CandidateScorer<'_>, scored: &Scored) -> bool {
-        let linear = scorer.linear;
-        let clock = self.survey.clock.as_ref().map(|clock| clock.column.name());
-        let follows_run = scored.candidate.term.driver.covariate().is_some_and(|name| Some(name) == clock);
-        // A stretch of a file that moves one joint after the other holds all that there is of one: then every fifth row.
-        let folds = if follows_run { &[Folds::Interleaved][..] } else { &[Folds::Stretches, Folds::Interleaved] };
-        let columns = scorer.columns(&scored.candidate.term);
-        let stands = self.data.first_of_posture();
-        folds.iter().any(|&folds| {
-            let (without, with) = join(
-                || held_out(linear, &[&linear.geometry, &linear.effects], &linear.residual, folds, &stands),
-                || held_out(linear, &[&linear.geometry, &linear.effects, &columns], &linear.residual, folds, &stands),
-            );
-            with < without
-        })
-    }
-
     /// The state with one more term.
     fn added(&self, state: &State, candidate: &Candidate) -> State {
         let chosen = state.chosen.iter().chain([candidate]).cloned().collect();
         self.refitted(chosen, Some(state))
-    }
-
-    /// Swaps, merges and drops until nothing changes.
-    fn pruned(&self, state: State) -> State {
-        let mut state = self.rescanned(state);
-        let before = state.chosen.clone();
-        let mut been = vec![(self.criterion(&state), state.clone())];
-        for _ in 0..MOST_CHANGES {
-            let Some(next) = self.improved(&state) else { break };
-            state = self.rescanned(next);
-            let now = self.criterion(&state);
-            if let Some(circle) = in_circle(&been, now, &state) {
-                state = circle;
-                break;
-            }
-            been.push((now, state.clone()));
-        }
-        if !same_terms(&state.chosen, &before) {
-            // Other effects, other outliers.
-            state = self.refitted(state.chosen.clone(), Some(&state));
-        }
-        let newest = state.chosen.len().saturating_sub(1)..state.chosen.len();
-        self.contested(&state, newest).unwrap_or(state)
     }
 
     /// Refines every scanned number with all else in the model.
@@ -491,135 +369,28 @@ impl<'a> Tracer<'a> {
         self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
     }
 
-    /// One change for the better: effects dropped, one swapped for a better one, or two of one place merged into one.
-    fn improved(&self, state: &State) -> Option<State> {
-        let needed = self.needed(state);
-        if needed.len() < state.chosen.len() {
-            let chosen = needed.into_iter().map(|index| state.chosen[index].clone()).collect();
-            return Some(self.followed(chosen, state));
-        }
-        // The first that is for the better is made: so many are looked at together as there are threads.
-        let effects: Vec<usize> = (0..state.chosen.len()).collect();
-        for some in effects.chunks(available()) {
-            let swapped = each_alone(some, |&index| self.swapped(state, index));
-            if let Some(chosen) = swapped.into_iter().flatten().next() {
-                return Some(self.followed(chosen, state));
-            }
-        }
-        self.merged(state, &self.scorer(self.linear(state)))
+    /// The state with a better one in the place of an effect: what was added first may have stood for others that were added later.
+    fn swapped(&self, state: &State, index: usize) -> Option<State> {
+        let (scorer, own) = (self.scorer(self.linear(state)), state.chosen.get(index)?);
+        let model = self.loosely_without(state, &[index]);
+        let best = self.best(&scorer, &model, &self.scored(state, &model))?;
+        let worth = |candidate: &Candidate| scorer.own(&model, candidate).delta_bic - handicap(candidate.term.kind);
+        (best.term != own.term && worth(&best) > worth(own)).then(|| {
+            let mut chosen = state.chosen.clone();
+            chosen[index] = best;
+            self.rescanned(self.followed(chosen, state))
+        })
     }
 
-    /// Which effects are needed: those that are not are left out one after the other, the weakest first.
-    fn needed(&self, state: &State) -> Vec<usize> {
-        let linear = self.linear(state);
-        let scorer = self.scorer(linear);
-        let mut needed: Vec<usize> = (0..state.chosen.len()).collect();
-        loop {
-            let own = in_parallel(&needed, |&index| {
-                let others = |other: &usize| *other == index || !needed.contains(other);
-                let left_out: Vec<usize> = (0..state.chosen.len()).filter(others).collect();
-                scorer.own(&self.loosely_without(state, &left_out), &state.chosen[index]).delta_bic
-            });
-            let weakest = own.into_iter().enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-            match weakest {
-                Some((place, own)) if own < LEAST_DELTA_BIC => needed.remove(place),
-                _ => return needed,
-            };
-        }
-    }
-
-    /// The terms with a better one in the place of an effect.
-    fn swapped(&self, state: &State, index: usize) -> Option<Vec<Candidate>> {
-        let linear = self.linear(state);
-        let scorer = self.scorer(linear);
+    /// What explains nearly as much as one effect of a state in its stead.
+    fn contenders(&self, state: &State, index: usize) -> Vec<Candidate> {
+        let scorer = self.scorer(self.linear(state));
         let model = self.loosely_without(state, &[index]);
         let own = scorer.own(&model, &state.chosen[index]);
         let mut scored = self.scored(state, &model);
-        scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop && other.candidate.term != own.candidate.term);
-        if scored.is_empty() {
-            return None;
-        }
-        let models = self.models_leaving_out(state, &[index]);
-        let mut chosen = state.chosen.clone();
-        let best = self.best(&scorer, &models, &scored)?;
-        let bic = |candidate: &Candidate| scorer.firm_bic(&models, candidate);
-        if best.candidate.term == chosen[index].term || bic(&best.candidate) <= bic(&chosen[index]) + SWAP_GAIN {
-            return None;
-        }
-        chosen[index] = best.candidate;
-        Some(chosen)
-    }
-
-    /// Several effects at one place where a single candidate does as well.
-    fn merged(&self, state: &State, scorer: &CandidateScorer<'_>) -> Option<State> {
-        for first in 0..state.chosen.len() {
-            // An effect of no joint is merged with none; the others may be.
-            let Some(joint) = state.chosen[first].term.carrier.joint() else { continue };
-            let same: Vec<usize> = (0..state.chosen.len())
-                .filter(|&other| state.chosen[other].term.carrier.joint() == Some(joint))
-                .collect();
-            if same.len() < 2 || same[0] != first {
-                continue;
-            }
-            let models = self.models_leaving_out(state, &same);
-            let mut columns = Vec::new();
-            let mut scanned = 0;
-            for &index in &same {
-                scorer.columns_into(&state.chosen[index].term, &mut columns);
-                scanned += state.chosen[index].scanned;
-            }
-            let total = scorer.linear.residual.len();
-            let count = columns.len() / total;
-            let gain = models.loose.gain_of(&DMatrix::from_vec(total, count, columns));
-            let together = scorer.judged(&models.loose, &Candidate { scanned, ..state.chosen[first].clone() }, gain);
-            let scored = self.scored(state, &models.loose);
-            let Some(best) = self.best(scorer, &models, &scored) else { continue };
-            if best.delta_bic > together.delta_bic {
-                let mut chosen: Vec<Candidate> =
-                    (0..state.chosen.len()).filter(|k| !same.contains(k)).map(|k| state.chosen[k].clone()).collect();
-                chosen.push(best.candidate);
-                return Some(self.refitted(chosen, Some(state)));
-            }
-        }
-        None
-    }
-
-    /// Drops spurious effects, which only stand in for a structure that no entry describes.
-    fn without_spurious(&self, state: &State) -> State {
-        let (first, mut state) = (state, state.clone());
-        loop {
-            if state.chosen.is_empty() {
-                break;
-            }
-            let linear = self.linear(&state);
-            let scorer = self.scorer(linear);
-            let unexplained = unexplained::examine(self, &scorer);
-            if !unexplained.structured {
-                break;
-            }
-            let structure = linear.loose().beside(&[&unexplained.columns], &linear.residual);
-            let beside_structure = Whole::new(&structure, &linear.effects, &linear.residual);
-            let effects: Vec<usize> = (0..state.chosen.len()).collect();
-            let spurious = in_parallel(&effects, |&index| {
-                let alone = scorer.own(&self.loosely_without(&state, &[index]), &state.chosen[index]);
-                let own = scorer.own(&beside_structure.leaving_out(&state.columns_of(&[index])), &state.chosen[index]);
-                let nothing_beside = !self.passes(&own) && alone.gain.drop < SPURIOUS_BESIDE * unexplained.drop;
-                (nothing_beside || alone.gain.drop < SPURIOUS * unexplained.drop).then_some((own.delta_bic, index))
-            });
-            let mut spurious: Vec<(f64, usize)> = spurious.into_iter().flatten().collect();
-            if spurious.is_empty() {
-                break;
-            }
-            // The weaker half of them: what is left then may say otherwise of the others.
-            spurious.sort_by(|a, b| a.0.total_cmp(&b.0));
-            spurious.truncate(spurious.len().div_ceil(2));
-            let dropped = |index: usize| spurious.iter().any(|(_, other)| *other == index);
-            let kept = state.chosen.iter().enumerate().filter(|(index, _)| !dropped(*index));
-            let chosen = kept.map(|(_, candidate)| candidate.clone()).collect();
-            state = self.followed(chosen, &state);
-        }
-        // Other effects, other outliers.
-        if state.chosen.len() < first.chosen.len() { self.refitted(state.chosen.clone(), Some(&state)) } else { state }
+        scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop);
+        let near = leaders(&scored, NEAREST, Some(&state.chosen[index]));
+        in_parallel(&near, |other| scorer.refined(&model, &self.survey, other).candidate)
     }
 }
 
@@ -630,25 +401,6 @@ fn rejected(fit: &Fit<EffectModel>) -> usize {
 
 pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
-}
-
-/// Where a search that comes to this state has been here before: in a circle terms come and go, so the state with the fewest, of these the best.
-fn in_circle(been: &[(f64, State)], criterion: f64, state: &State) -> Option<State> {
-    let here = |(other, known): &(f64, State)| (other - criterion).abs() < SAME && alike(known, state);
-    let order =
-        |a: &&(f64, State), b: &&(f64, State)| a.1.chosen.len().cmp(&b.1.chosen.len()).then(a.0.total_cmp(&b.0));
-    let first = been.iter().position(here)?;
-    been[first..].iter().min_by(order).map(|(_, least)| least.clone())
-}
-
-/// Whether two states hold the same kinds at the same places.
-fn alike(a: &State, b: &State) -> bool {
-    let mut left: Vec<(Kind, Carrier)> = b.chosen.iter().map(|one| (one.term.kind, one.term.carrier)).collect();
-    let known = a.chosen.iter().all(|one| {
-        let place = left.iter().position(|other| *other == (one.term.kind, one.term.carrier));
-        place.map(|place| left.swap_remove(place)).is_some()
-    });
-    known && left.is_empty()
 }
 
 /// Steps that act at one place are one effect with several steps.

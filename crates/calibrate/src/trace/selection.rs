@@ -13,7 +13,6 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::findings::values;
 use crate::trace::infer::curves::{CurveFit, fit_curves, fit_curves_near};
-use crate::trace::infer::lines::lines;
 use crate::trace::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::trace::select::{Proposals, State, Tracer, same_terms};
 use crate::trace::unexplained::{self, Block, UnexplainedStructure};
@@ -76,13 +75,9 @@ pub(crate) fn trace(
         }
         (plain, beside)
     };
-    // Beside each model that the search ended with there are other curves.
-    let new = |(index, state): &(usize, &State)| {
-        let met = found.states[..*index].iter().any(|other| same_terms(&other.chosen, &state.chosen));
-        !state.chosen.is_empty() && !met
-    };
-    let models = [None].into_iter().chain(found.states.iter().enumerate().filter(new).map(|(_, state)| Some(state)));
-    let models: Vec<Option<&State>> = models.collect();
+    // Beside the model that the search ended with there are other curves.
+    let ended = Some(&found.state).filter(|state| !state.chosen.is_empty());
+    let models: Vec<Option<&State>> = [None].into_iter().chain(ended.map(Some)).collect();
     let bare = geometric.with_model(statics, options.earlier.as_ref());
     let fitted = in_parallel(&models, |model| match model {
         Some(state) => with(&state.chosen, &state.fit, part, &tracer.survey),
@@ -102,12 +97,11 @@ pub(crate) fn trace(
         let structures: Vec<Vec<Block>> = structures.into_iter().filter(|blocks| !blocks.is_empty()).collect();
         let state = near.get(1).unwrap_or(&near[0]);
         let others = other_rows(&tracers, &structures);
-        let starts: Vec<Vec<Candidate>> = found.states.iter().map(|state| state.chosen.clone()).collect();
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
         let question = Question {
             candidates: &proposed,
             counted: &tracer.candidates,
-            starts: &starts,
+            start: &found.state.chosen,
             curves: &all,
             structures: &structures,
             others: &others,
@@ -117,7 +111,7 @@ pub(crate) fn trace(
     let mut judged: Vec<Judged> = judged.into_iter().filter(Judged::kept).collect();
     judged.truncate(options.max_effects.unwrap_or(usize::MAX));
     // In the order of the search: a model that it ended with need not be fitted again.
-    let order = &found.states[0].chosen;
+    let order = &found.state.chosen;
     judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));
     let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
     let same = |state: &&State| same_terms(&state.chosen, &kept);
@@ -126,7 +120,7 @@ pub(crate) fn trace(
     let (plain, last) = match known_fit {
         _ if kept.is_empty() => (bare.clone(), curves.clone()),
         Some(model) => fitted[model].clone(),
-        None => with(&kept, &found.states[0].fit, data, &survey),
+        None => with(&kept, &found.state.fit, data, &survey),
     };
     let (unexplained, partial_residuals) = join(
         || remains(tracer, &on_rows(&last.fit, data, rows)),
@@ -177,13 +171,12 @@ fn spurious(
     judged.iter().map(|one| outweighed(one, drop)).collect()
 }
 
-/// What is judged: first what would be plain to an engineer, then what the search came upon, then what spectra show.
+/// What is judged: first what would be plain to an engineer, then what the search came upon.
 fn proposed(tracer: &Tracer<'_>, near: &[&CurveFit], found: Vec<Candidate>) -> Vec<Candidate> {
-    let curves_near = || near.iter().flat_map(|near| &near.fit.effects.curves);
-    let plain = curves_near().flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
-    let of_lines = curves_near().flat_map(|curve| causes_of_lines(&tracer.candidates, curve));
+    let curves = near.iter().flat_map(|near| &near.fit.effects.curves);
+    let plain = curves.flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
     let mut proposed: Vec<Candidate> = Vec::new();
-    for candidate in plain.chain(found).chain(of_lines) {
+    for candidate in plain.chain(found) {
         if !proposed.iter().any(|other| other.term == candidate.term) {
             proposed.push(candidate);
         }
@@ -230,10 +223,10 @@ fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
     let all = tracer.data;
     let searched = rows_of(all, (SEARCHED_PER_ROW * rows).max(FEWEST_SEARCHED));
     if searched == all.len() {
-        return tracer.run();
+        return tracer.proposals(None);
     }
     let some = all.evenly_spread(searched);
-    tracer.run_on(&all.subset(&some), &on_rows(tracer.geometric, all, &some))
+    tracer.proposals(Some((&all.subset(&some), &on_rows(tracer.geometric, all, &some))))
 }
 
 /// Rows spread evenly over the run; where it has more than are looked at, others between them.
@@ -271,20 +264,6 @@ fn plain_causes(candidates: &[Candidate], joint: usize) -> Vec<Candidate> {
             }
     };
     candidates.iter().filter(plain).cloned().collect()
-}
-
-/// Periodic errors of the orders that stand out of a curve's spectrum, whole and as they are.
-fn causes_of_lines(candidates: &[Candidate], curve: &Curve) -> Vec<Candidate> {
-    let periodic = |candidate: &&Candidate| {
-        candidate.term.kind == Kind::TransmissionError && candidate.term.carrier == Carrier::Joint(curve.joint)
-    };
-    let Some(wave) = candidates.iter().find(periodic) else { return Vec::new() };
-    let orders = lines(curve).into_iter().flat_map(|line| [(line.order.round().max(1.0), 0), (line.order, 1)]);
-    let of = |(order, scanned): (f64, usize)| {
-        let driver = Driver::Harmonic { joint: curve.joint, order };
-        Candidate { term: Term { driver, ..wave.term.clone() }, scanned }
-    };
-    orders.map(of).collect()
 }
 
 /// Whether a bump holds enough rows to be seen as one: what stands between two rows is nothing.

@@ -119,8 +119,8 @@ pub(crate) struct Question<'a> {
     pub candidates: &'a [Candidate],
     /// Every term that was looked at.
     pub counted: &'a [Candidate],
-    /// Sets to start from, by terms.
-    pub starts: &'a [Vec<Candidate>],
+    /// The set to start from, by terms.
+    pub start: &'a [Candidate],
     /// Curves as fitted beside several models: each joint may have any of its kernels.
     pub curves: &'a [&'a [Curve]],
     /// Structures without a name; none is empty.
@@ -206,9 +206,8 @@ pub(crate) fn judge(
     let entered = Entered::new(data, &state, reference, question, question.structures, PARTS);
     let (round, contest) = (&entered.round, entered.contest(&kernels));
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
-    let starts: Vec<Vec<usize>> =
-        question.starts.iter().map(|start| start.iter().filter_map(place).collect()).collect();
-    let (seen, settings) = contest.run(&round.gram, &starts);
+    let start: Vec<usize> = question.start.iter().filter_map(place).collect();
+    let (seen, settings) = contest.run(&round.gram, &[start.clone()]);
     let Some((set, (_, suits))) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
         return Judgement::default();
     };
@@ -239,8 +238,7 @@ pub(crate) fn judge(
         contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
     // Each half from what the run showed, and from where that began.
-    let begin: Vec<Vec<usize>> =
-        [set.clone(), predictor.set.clone()].into_iter().chain(starts.iter().cloned()).chain([Vec::new()]).collect();
+    let begin: Vec<Vec<usize>> = vec![set.clone(), predictor.set.clone(), start, Vec::new()];
     let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
     let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
     let probability = |name: &Name| masses.log_present(name).exp();
