@@ -162,9 +162,14 @@ fn until_converged(
         // Each round is in units of its own noise: the score of the values themselves.
         let score = here.score + round.units();
         let said = here.posterior();
-        round.step(data, &mut state, &hyper, &said);
-        posterior = Some(said);
         let enough = CONVERGED.max(CONVERGED_NOISE * (round.linear.values() as f64).sqrt());
+        if !round.step(data, &mut state, (&hyper, &said), enough) {
+            // Numbers that the rows hardly tell apart lead out of what is linear here: the state before is the last that is any good.
+            state.fit.converged = false;
+            posterior.as_ref()?;
+            break;
+        }
+        posterior = Some(said);
         let converged = found.as_ref().is_some_and(|(last, _)| (score - last).abs() < enough);
         found = Some((score, hyper));
         state.fit.converged = converged;
@@ -595,8 +600,15 @@ impl Round {
         numbers
     }
 
-    /// Takes the state to the posterior's mean, with its noise and its outliers.
-    fn step(&self, data: &Measurements, state: &mut State, hyper: &Hyperparameters, posterior: &Posterior) {
+    /// Takes the state to the posterior's mean, with its noise and its outliers, or some part of the way there. Where each part makes the cost
+    /// larger by more than `enough` the state stays, and the answer is no.
+    fn step(
+        &self,
+        data: &Measurements,
+        state: &mut State,
+        (hyper, posterior): (&Hyperparameters, &Posterior),
+        enough: f64,
+    ) -> bool {
         let model = self.model();
         let curves = self.curves(state, posterior, hyper);
         let order = self.layout_order(state);
@@ -613,6 +625,9 @@ impl Round {
         // What is linear here need not be so at the end of a long step: half of it, then.
         let mut share = 1.0;
         let (arm, effects, squares) = loop {
+            if share < LEAST_SHARE {
+                return false;
+            }
             let numbers: Vec<f64> =
                 had.iter().zip(&posterior.mean).map(|(old, new)| old + (new - old) * share).collect();
             let part: Vec<f64> = order.iter().map(|&index| numbers[index]).collect();
@@ -632,7 +647,7 @@ impl Round {
                 }
             }
             let squares = ResidualModel { data, layout: &fit.layout, effects: &effects }.squares(&arm);
-            if cost(&squares, &numbers) <= before || share < LEAST_SHARE {
+            if cost(&squares, &numbers) <= before + enough {
                 break (arm, effects, squares);
             }
             share *= 0.5;
@@ -651,6 +666,7 @@ impl Round {
         fit.values = channel_misfits.iter().map(|channel| channel.count).collect();
         fit.weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
         fit.squares = squares;
+        true
     }
 }
 
