@@ -68,11 +68,7 @@ pub(crate) fn trace(
         let terms: Vec<_> = terms.iter().map(|candidate| candidate.term.clone()).collect();
         let model = EffectModel::of_terms(statics, options.earlier.as_ref(), &terms);
         let plain = fit_stage(data, &from.arm, &model, &vec![1.0; data.observations()], &options.identify);
-        let mut beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
-        if beside.fit.effects.curves.is_empty() {
-            // Nothing to be fitted together: the fit without curves is as good, and holds without any noise, too.
-            beside.fit = plain.clone();
-        }
+        let beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
         (plain, beside)
     };
     // Beside the model that the search ended with there are other curves.
@@ -113,15 +109,24 @@ pub(crate) fn trace(
     // In the order of the search: a model that it ended with need not be fitted again.
     let order = &found.state.chosen;
     judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));
-    let kept: Vec<Candidate> = judged.iter().map(|one| one.candidate.clone()).collect();
-    let same = |state: &&State| same_terms(&state.chosen, &kept);
-    let known_fit =
-        models.iter().position(|model| model.as_ref().is_some_and(same)).filter(|_| rows.len() == data.len());
-    let (plain, last) = match known_fit {
-        _ if kept.is_empty() => (bare.clone(), curves.clone()),
-        Some(model) => fitted[model].clone(),
-        None => with(&kept, &found.state.fit, data, &survey),
+    let terms = |judged: &[Judged]| judged.iter().map(|one| one.candidate.clone()).collect::<Vec<Candidate>>();
+    let fit_with = |kept: &[Candidate]| {
+        let same = |state: &&State| same_terms(&state.chosen, kept);
+        let known_fit =
+            models.iter().position(|model| model.as_ref().is_some_and(same)).filter(|_| rows.len() == data.len());
+        match known_fit {
+            _ if kept.is_empty() => (bare.clone(), curves.clone()),
+            Some(model) => fitted[model].clone(),
+            None => with(kept, &found.state.fit, data, &survey),
+        }
     };
+    let (mut plain, mut last) = fit_with(&terms(&judged));
+    if !last.fit.converged && !judged.iter().all(Judged::named) {
+        // Effects that nobody is sure of may be large and cancel each other: without them.
+        judged.retain(Judged::named);
+        (plain, last) = fit_with(&terms(&judged));
+    }
+    let kept = terms(&judged);
     let (unexplained, partial_residuals) = join(
         || remains(tracer, &on_rows(&last.fit, data, rows)),
         || tracer.all_partial_residuals(&tracer.refitted(kept, None)),

@@ -111,11 +111,12 @@ pub(crate) fn fit_curves_near(
     let (with, begun) = with_deflections(survey, data, fit, reference, options, near);
     let state = State { causes: fit.effects.effects.len(), ..State::new(survey, data, &with) };
     let found = until_converged(data, state, reference, options, begun.as_ref(), near);
-    let found = found.filter(|found| !found.state.joints.is_empty());
+    let fitted = found.is_ok();
+    let found = found.ok().flatten().filter(|found| !found.state.joints.is_empty());
     let found = found.and_then(|found| found.finish(data, reference, fit.effects.effects.len()));
     // Without a curve the fit is as it was given.
     found.unwrap_or_else(|| CurveFit {
-        fit: fit.clone(),
+        fit: Fit { converged: fit.converged && fitted, ..fit.clone() },
         score: f64::NEG_INFINITY,
         gains: Vec::new(),
         deflections: Vec::new(),
@@ -130,7 +131,10 @@ struct Converged {
     posterior: Option<Posterior>,
 }
 
-/// Rounds from a state on until the score converges: `None` where the system cannot be solved.
+/// Every part of the first step leads out of what is linear.
+struct NoStep;
+
+/// Rounds from a state on until the score converges: `None` where no curve is asked for, or the system cannot be solved.
 fn until_converged(
     data: &Measurements,
     mut state: State,
@@ -138,7 +142,7 @@ fn until_converged(
     options: CurveOptions,
     begun: Option<&Hyperparameters>,
     near: &[Curve],
-) -> Option<Converged> {
+) -> Result<Option<Converged>, NoStep> {
     let mut found: Option<(f64, Hyperparameters)> = None;
     let mut posterior = None;
     for _ in 0..ROUNDS {
@@ -166,7 +170,9 @@ fn until_converged(
         if !round.step(data, &mut state, (&hyper, &said), enough) {
             // Numbers that the rows hardly tell apart lead out of what is linear here: the state before is the last that is any good.
             state.fit.converged = false;
-            posterior.as_ref()?;
+            if posterior.is_none() {
+                return Err(NoStep);
+            }
             break;
         }
         posterior = Some(said);
@@ -177,7 +183,7 @@ fn until_converged(
             break;
         }
     }
-    found.map(|(_, hyper)| Converged { state, hyper, posterior })
+    Ok(found.map(|(_, hyper)| Converged { state, hyper, posterior }))
 }
 
 /// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.

@@ -207,7 +207,7 @@ pub(crate) fn judge(
     let (round, contest) = (&entered.round, entered.contest(&kernels));
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let start: Vec<usize> = question.start.iter().filter_map(place).collect();
-    let (seen, settings) = contest.run(&round.gram, &[start.clone()]);
+    let (seen, settings) = contest.run(&round.gram, std::slice::from_ref(&start));
     let Some((set, (_, suits))) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
         return Judgement::default();
     };
