@@ -38,6 +38,11 @@ pub struct Scored {
 }
 
 impl Scored {
+    /// By how much the criterion falls, less the handicap of its kind.
+    pub fn worth(&self) -> f64 {
+        self.delta_bic - handicap(self.candidate.term.kind)
+    }
+
     /// Probability of such a gain by chance, this candidate alone.
     pub fn p_value(&self) -> f64 {
         p_value(self.free, self.rss, self.gain, self.used)

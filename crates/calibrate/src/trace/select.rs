@@ -15,7 +15,7 @@ use crate::observation::measurements::Measurements;
 use crate::observation::parameters::NoEffects;
 use crate::trace::downdate::Reduced;
 use crate::trace::linear::{Linear, linearise};
-use crate::trace::search::{CandidateScorer, Linearised, Scored, carriers_of, driven, handicap, leaders};
+use crate::trace::search::{CandidateScorer, Linearised, Scored, carriers_of, driven, leaders};
 use crate::trace::unexplained::{self, Block};
 use crate::trace::{ScanCell, TraceOptions};
 use std::sync::{Arc, OnceLock};
@@ -131,14 +131,14 @@ impl<'a> Tracer<'a> {
             Some((data, geometric)) => self.on(data, geometric).searched(),
             None => self.searched(),
         };
-        let mut state = match some {
-            Some(_) => {
-                let fitted = self.refitted(found.chosen.clone(), Some(&found));
-                self.moved(&fitted).unwrap_or(fitted)
-            }
-            None => found.clone(),
-        };
-        while let Some(next) = self.moved(&state).filter(|next| rejected(&next.fit) < rejected(&state.fit)) {
+        let mut state = found.clone();
+        if some.is_some() {
+            let fitted = self.refitted(found.chosen.clone(), Some(&found));
+            state = self.moved(&fitted).unwrap_or(fitted);
+        }
+        while rejected(&state.fit) > 0
+            && let Some(next) = self.moved(&state).filter(|next| rejected(&next.fit) < rejected(&state.fit))
+        {
             state = next;
         }
         for (found, moved) in found.chosen.iter().zip(&state.chosen) {
@@ -216,7 +216,7 @@ impl<'a> Tracer<'a> {
         if self.far_off(state) {
             scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
         }
-        self.best(&scorer, &model, &scored)
+        self.best(&scorer, &model, &scored).map(|best| best.candidate)
     }
 
     /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
@@ -276,7 +276,7 @@ impl<'a> Tracer<'a> {
         let scorer = self.scorer(linear);
         let scored = self.scored(&open, &model);
         let best = self.best(&scorer, &model, &scored)?;
-        let next = self.rescanned(self.added(state, &best));
+        let next = self.rescanned(self.added(state, &best.candidate));
         // Rows that the place as first scanned left out may come back.
         let next = self.refitted(next.chosen.clone(), Some(&next));
         (rejected(&next.fit) * 2 <= before).then_some(next)
@@ -313,21 +313,20 @@ impl<'a> Tracer<'a> {
     }
 
     /// The best candidate of a pass, the leaders' scanned numbers refined.
-    fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Candidate> {
+    fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Scored> {
         let leaders = leaders(scored, REFINED, None);
         let leaders = in_parallel(&leaders, |leader| scorer.refined(model, &self.survey, leader));
-        let worth = |scored: &Scored| scored.delta_bic - handicap(scored.candidate.term.kind);
         let passing = leaders.into_iter().filter(|scored| self.passes(scored));
-        passing.max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|best| best.candidate)
+        passing.max_by(|a, b| a.worth().total_cmp(&b.worth()))
     }
 
     /// Beyond chance, with the whole search counted.
-    pub(crate) fn passes(&self, scored: &Scored) -> bool {
+    fn passes(&self, scored: &Scored) -> bool {
         scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value()) < self.options.false_claims
     }
 
     /// A probability with the whole search counted.
-    pub(crate) fn corrected(&self, p_value: f64) -> f64 {
+    fn corrected(&self, p_value: f64) -> f64 {
         (p_value * self.candidates.len() as f64).min(1.0)
     }
 
@@ -338,7 +337,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Refines every scanned number with all else in the model.
-    pub(crate) fn rescanned(&self, state: State) -> State {
+    fn rescanned(&self, state: State) -> State {
         if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
             return state;
         }
@@ -365,7 +364,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Refits after a small change: from the state, which rows are outliers being known.
-    pub(crate) fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
+    fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
         self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
     }
 
@@ -374,15 +373,14 @@ impl<'a> Tracer<'a> {
         let (scorer, own) = (self.scorer(self.linear(state)), state.chosen.get(index)?);
         let model = self.loosely_without(state, &[index]);
         let best = self.best(&scorer, &model, &self.scored(state, &model))?;
-        let worth = |candidate: &Candidate| scorer.own(&model, candidate).delta_bic - handicap(candidate.term.kind);
-        (best.term != own.term && worth(&best) > worth(own)).then(|| {
+        (best.candidate.term != own.term && best.worth() > scorer.own(&model, own).worth()).then(|| {
             let mut chosen = state.chosen.clone();
-            chosen[index] = best;
+            chosen[index] = best.candidate;
             self.rescanned(self.followed(chosen, state))
         })
     }
 
-    /// What explains nearly as much as one effect of a state in its stead.
+    /// Candidates that explain nearly as much as one effect of a state does, put in its place.
     fn contenders(&self, state: &State, index: usize) -> Vec<Candidate> {
         let scorer = self.scorer(self.linear(state));
         let model = self.loosely_without(state, &[index]);

@@ -169,10 +169,10 @@ fn until_converged(
         let enough = CONVERGED.max(CONVERGED_NOISE * (round.linear.values() as f64).sqrt());
         if !round.step(data, &mut state, (&hyper, &said), enough) {
             // Numbers that the rows hardly tell apart lead out of what is linear here: the state before is the last that is any good.
-            state.fit.converged = false;
             if posterior.is_none() {
                 return Err(NoStep);
             }
+            state.fit.converged = false;
             break;
         }
         posterior = Some(said);
