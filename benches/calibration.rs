@@ -1,14 +1,14 @@
 //! Calibration: identification of a large file, the tracer's scan over all candidates, and its whole search.
 
 use denavit_benches::{ROBOTS, report, robot_text};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::observation::kinds::POSE;
-use denavit_calibrate::observation::measurements::Covariate;
-use denavit_calibrate::trace::{TraceOptions, scan, trace};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::Covariate;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, Reading, Robot, urdf};
+use denavit_trace::{TraceOptions, scan, trace};
 use std::hint::black_box;
 
 fn robot(file: &str, tip: &str) -> (Robot, Chain) {
@@ -21,7 +21,7 @@ fn robot(file: &str, tip: &str) -> (Robot, Chain) {
 pub fn identification() {
     let (name, file, tip) = ROBOTS[0];
     let (_, chain) = robot(file, tip);
-    let options = SimulationOptions { kind: POSE, rows: 10_000, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Pose, rows: 10_000, ..Default::default() };
     let data = simulate(&chain, &options, &NoEffects).data;
     let options = IdentifyOptions::axes(&chain);
     report(name, "denavit, 10 000 poses identified", "calibration", 1, || {
@@ -41,7 +41,7 @@ pub fn tracing() {
         Covariate { name: "time".into(), values: time },
         Covariate { name: "temperature".into(), values: temperature },
     ];
-    let simulated = SimulationOptions { kind: POSE, rows, covariates, ..Default::default() };
+    let simulated = SimulationOptions { kind: ObservationKind::Pose, rows, covariates, ..Default::default() };
     let soft = Effect {
         term: Term {
             kind: Kind::JointCompliance,

@@ -3,10 +3,10 @@
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
 use denavit_benches::{BATCH, ROBOTS, chain, configurations, moved_axes, robot_text};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_compare::{Options, Subject, compare};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::{CompiledChain, Pose, Reading, urdf};
 use std::hint::black_box;
@@ -66,7 +66,7 @@ fn load(times: usize) {
 fn identification(times: usize) {
     let (_, file, tip) = ROBOTS[0];
     let chain = chain(file, tip);
-    let options = SimulationOptions { kind: POSE, rows: 10_000, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Pose, rows: 10_000, ..Default::default() };
     let data = simulate(&chain, &options, &NoEffects).data;
     for _ in 0..times {
         black_box(identify(black_box(&chain), black_box(&data), &IdentifyOptions::axes(&chain)));

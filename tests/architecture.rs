@@ -19,7 +19,22 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-compare", &["denavit-model", "denavit-dh", "denavit-export"]),
     ("denavit-edit", &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare"]),
     ("denavit-linear", &[]),
-    ("denavit-calibrate", &["denavit-model", "denavit-dh", "denavit-export", "denavit-linear", "denavit-ik"]),
+    ("denavit-measurements", &["denavit-model"]),
+    ("denavit-identify", &["denavit-model", "denavit-export", "denavit-linear", "denavit-measurements"]),
+    ("denavit-trace", &["denavit-model", "denavit-linear", "denavit-measurements", "denavit-identify"]),
+    (
+        "denavit-calibrate",
+        &[
+            "denavit-model",
+            "denavit-dh",
+            "denavit-export",
+            "denavit-linear",
+            "denavit-ik",
+            "denavit-measurements",
+            "denavit-identify",
+            "denavit-trace",
+        ],
+    ),
     (
         "denavit-load",
         &[
@@ -28,6 +43,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "denavit-dh",
             "denavit-export",
             "denavit-compare",
+            "denavit-measurements",
+            "denavit-identify",
+            "denavit-trace",
             "denavit-calibrate",
             "denavit-sdf",
             "denavit-xacro",
@@ -35,7 +53,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     (
         "denavit-fleet",
-        &["denavit-model", "denavit-dh", "denavit-export", "denavit-compare", "denavit-calibrate", "denavit-load"],
+        &[
+            "denavit-model",
+            "denavit-dh",
+            "denavit-export",
+            "denavit-compare",
+            "denavit-linear",
+            "denavit-measurements",
+            "denavit-identify",
+            "denavit-calibrate",
+            "denavit-load",
+        ],
     ),
     (
         "denavit-lsp",
@@ -56,6 +84,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "denavit-dh",
             "denavit-export",
             "denavit-compare",
+            "denavit-measurements",
+            "denavit-identify",
+            "denavit-trace",
             "denavit-calibrate",
             "denavit-edit",
             "denavit-ik",
@@ -124,18 +155,64 @@ fn every_test_file_is_a_module_of_its_binary() {
     assert!(seen > 0, "no crate has its tests in one binary");
 }
 
-/// Rooms of the calibration crate, each with those that it may know, as its `lib.rs` says.
-const ROOMS: &[&str] = &["observation", "effects", "identify", "trace", "apply", "calibration", "report"];
+/// Modules in layers: each may know those of its own layer and of the layers before it.
+const LAYERS: &[(&str, &[&[&str]])] = &[
+    (
+        "identify",
+        &[
+            &[
+                "arm",
+                "effects_prior",
+                "frames",
+                "gauge",
+                "least_squares",
+                "observe",
+                "parameters",
+                "prior",
+                "symmetric",
+            ],
+            &["effects"],
+            &[
+                "averaging",
+                "carried",
+                "continued",
+                "dh_form",
+                "identifiability",
+                "identification",
+                "information",
+                "initial_guess",
+                "intervals",
+                "jacobian_block",
+                "known_effects",
+                "lack_of_fit",
+                "noise",
+                "normal_equations",
+                "posterior",
+                "proportion",
+                "quantization",
+                "redundancy",
+                "residual",
+                "residual_statistics",
+                "siblings",
+                "simd_residuals",
+                "solve",
+            ],
+            &["simulate"],
+        ],
+    ),
+    ("calibrate", &[&["apply"], &["calibration"], &["report"]]),
+];
 
-/// The rooms that Rust code speaks of by `crate::ROOM`.
-fn rooms_named(text: &str) -> Vec<&'static str> {
-    let named = |room: &&str| {
+/// The modules that Rust code speaks of by `crate::MODULE`.
+fn modules_named<'a>(text: &str, modules: &[&'a str]) -> Vec<&'a str> {
+    let named = |module: &&str| {
         text.match_indices("crate::").any(|(at, _)| {
             let rest = &text[at + "crate::".len()..];
-            rest.strip_prefix(*room).is_some_and(|after| !after.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+            rest.strip_prefix(*module)
+                .is_some_and(|after| !after.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
         })
     };
-    ROOMS.iter().copied().filter(|room| named(room)).collect()
+    modules.iter().copied().filter(|module| named(module)).collect()
 }
 
 fn rust_files(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
@@ -150,39 +227,42 @@ fn rust_files(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
 }
 
 #[test]
-fn rooms_of_calibrate_know_only_those_before_them() {
-    let source = top().join("crates/calibrate/src");
-    let mut files = Vec::new();
-    rust_files(&source, &mut files);
-    let mut seen = std::collections::BTreeSet::new();
-    for file in files {
-        let inside = file.strip_prefix(&source).unwrap().with_extension("");
-        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
-        if first == "lib" {
-            continue;
+fn modules_know_only_those_of_layers_before_them() {
+    for (name, layers) in LAYERS {
+        let source = top().join("crates").join(name).join("src");
+        let modules: Vec<&str> = layers.concat();
+        let layer_of = |module: &str| layers.iter().position(|layer| layer.contains(&module));
+        let mut files = Vec::new();
+        rust_files(&source, &mut files);
+        let mut seen = std::collections::BTreeSet::new();
+        for file in files {
+            let inside = file.strip_prefix(&source).unwrap().with_extension("");
+            let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
+            if first == "lib" {
+                continue;
+            }
+            let own = layer_of(&first).unwrap_or_else(|| panic!("{} is in no layer of this test", file.display()));
+            let text = std::fs::read_to_string(&file).unwrap();
+            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for named in modules_named(text, &modules) {
+                assert!(
+                    layer_of(named).unwrap() <= own,
+                    "{}: {first} knows {named}, which comes after it",
+                    file.display()
+                );
+            }
+            assert!(!text.contains("use crate::{"), "{}: name the module: use crate::MODULE::…", file.display());
+            seen.insert(first);
         }
-        let own = ROOMS.iter().position(|room| *room == first);
-        let own = own.unwrap_or_else(|| panic!("{} is in no room that this test knows", file.display()));
-        seen.insert(own);
-        let text = std::fs::read_to_string(&file).unwrap();
-        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
-        for named in rooms_named(text) {
-            let other = ROOMS.iter().position(|room| *room == named).unwrap();
-            assert!(other <= own, "{}: {first} knows {named}, which comes after it", file.display());
-        }
-        assert!(!text.contains("use crate::{"), "{}: name the room: use crate::ROOM::…", file.display());
+        assert_eq!(seen.len(), modules.len(), "a module of the list is gone from {name}");
     }
-    assert_eq!(seen.len(), ROOMS.len(), "a room of the list is gone");
-    let lib = std::fs::read_to_string(source.join("lib.rs")).unwrap();
-    let order: Vec<usize> = ROOMS.iter().map(|room| lib.find(&format!("//! {room} ")).expect(room)).collect();
-    assert!(order.is_sorted(), "lib.rs draws the rooms in another order");
 }
 
-/// The names that the root of `denavit-calibrate` promises: what only the feature `unstable` shows is left out.
+/// The names that the root of `denavit-calibrate` promises: what its documentation shows.
 fn promised_by_calibrate(lib: &str) -> Vec<String> {
     let uses = lib.split("\npub use ").collect::<Vec<_>>();
-    let is_open = |before: &str| before.trim_end().ends_with("#[cfg(feature = \"unstable\")]");
-    let promised = uses.windows(2).filter(|pair| !is_open(pair[0])).map(|pair| pair[1].split(';').next().unwrap());
+    let is_hidden = |before: &str| before.trim_end().ends_with("#[doc(hidden)]");
+    let promised = uses.windows(2).filter(|pair| !is_hidden(pair[0])).map(|pair| pair[1].split(';').next().unwrap());
     let names = promised.flat_map(|path| match path.split_once('{') {
         Some((_, list)) => list.trim_end_matches('}').split(',').map(str::trim).collect::<Vec<_>>(),
         None => vec![path.rsplit("::").next().unwrap()],
@@ -196,13 +276,12 @@ fn calibrate_promises_some_sixty_names() {
     let folder = top().join("crates/calibrate");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
     let lib = read("src/lib.rs");
-    for room in ROOMS {
-        assert!(
-            lib.contains(&format!("#[cfg(feature = \"unstable\")]\npub mod {room};")),
-            "{room} is open to everyone"
-        );
+    for (at, _) in lib.match_indices(
+        "
+pub mod ",
+    ) {
+        assert!(lib[..at].ends_with("#[doc(hidden)]"), "a module of calibrate that its documentation shows");
     }
-    assert_eq!(lib.matches("pub mod ").count(), ROOMS.len(), "a module of calibrate that is no room");
     let names = promised_by_calibrate(&lib);
     assert!((50..=70).contains(&names.len()), "{} names: {names:?}", names.len());
     assert!(!names.iter().any(|name| name == "*"), "{names:?}");
@@ -211,11 +290,7 @@ fn calibrate_promises_some_sixty_names() {
     for name in used.split(',').map(str::trim) {
         assert!(names.iter().any(|promised| promised == name), "calibrate_arm.rs uses {name}, which is not promised");
     }
-    assert_eq!(example.matches("denavit_calibrate").count(), 1, "calibrate_arm.rs reaches into a room");
-    assert!(
-        read("Cargo.toml").contains("[package.metadata.docs.rs]\nfeatures = [\"pages\"]"),
-        "docs.rs shows the rooms"
-    );
+    assert_eq!(example.matches("denavit_calibrate").count(), 1, "calibrate_arm.rs reaches into a module");
 }
 
 /// Lines of code of the libraries, comments left out, each with its file.
@@ -311,8 +386,10 @@ fn is_private(folder: &std::path::Path, file: &std::path::Path) -> bool {
 
 #[test]
 fn no_public_function_fails_with_a_bare_text() {
-    // What a caller gives to fetch files fails with the caller's words; the rooms of calibrate are not for others.
-    let may = |folder: &std::path::Path, name: &str| folder.ends_with("calibrate") || name == "nothing";
+    // What a caller gives to fetch files fails with the caller's words; what is behind the root of calibrate is not for others.
+    let may = |folder: &std::path::Path, name: &str| {
+        ["calibrate", "identify", "measurements", "trace"].iter().any(|own| folder.ends_with(own)) || name == "nothing"
+    };
     let (mut found, mut seen) = (Vec::new(), 0);
     for (folder, file) in published_files() {
         let text = std::fs::read_to_string(&file).unwrap();

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Crates that compute and that read and write files.
-const CRATES: [&str; 5] = ["calibrate", "fleet", "bag", "load", "cli"];
+const CRATES: [&str; 8] = ["measurements", "identify", "trace", "calibrate", "fleet", "bag", "load", "cli"];
 
 /// What fails as a computation or by the system.
 const FAILS: [&str; 24] = [
@@ -48,15 +48,11 @@ const REVIEWED: &[(&str, &str, &str)] = &[
         "a covariance without an inverse makes the row stand out, which is reported",
     ),
     (
-        "calibrate/src/identify/noise.rs",
+        "identify/src/noise.rs",
         "symmetric::inverse(&own, 0.0)",
         "a singular information is inverted by its eigenvalues: its direction is not known",
     ),
-    (
-        "calibrate/src/identify/solve.rs",
-        "map_or(f64::INFINITY, |full|",
-        "equations without a solution never count as converged",
-    ),
+    ("identify/src/solve.rs", "map_or(f64::INFINITY, |full|", "equations without a solution never count as converged"),
     ("calibrate/src/report/rows.rs", "convert::table(chain", "a chain without a table has none in the report"),
     ("calibrate/src/report/rows.rs", "render)(&sheet).ok()", "a chain without a table has none in the report"),
     ("fleet/src/corpus/clusters.rs", "let Ok(found) = compare(", "robots that cannot be compared are not near"),

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use denavit_calibrate::observation::measurements::{self, Units};
+use denavit_measurements::{self, Units};
 use denavit_export::sources;
 use denavit_model::examples;
 use libfuzzer_sys::fuzz_target;

@@ -1,8 +1,8 @@
 //! Errors of the library as the package's exceptions, with file, line, column and hint.
 
-use denavit_calibrate::observation::measurements::DataError;
 use denavit_load::LoadError;
 use denavit_load::measured::MeasuredError;
+use denavit_measurements::DataError;
 use denavit_model::settings::{Shown, shown};
 use denavit_model::words::readable;
 use denavit_model::{Place, TreeError, UrdfError};

@@ -2,9 +2,9 @@
 
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, error, load, measured, said};
-use denavit_calibrate::observation::measurements::import::{self, EulerError, ImportOptions, Map};
-use denavit_calibrate::observation::plate::PlateError;
 use denavit_load::measured::{DataFile, HashedFile, sight};
+use denavit_measurements::import::{self, EulerError, ImportOptions, Map};
+use denavit_measurements::plate::PlateError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;

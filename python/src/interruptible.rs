@@ -1,6 +1,6 @@
 //! Work in a thread of its own, so that the interpreter hears of Ctrl-C while it lasts.
 
-use denavit_calibrate::identify::stop::Stop;
+use denavit_linear::stop::Stop;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, mpsc};

@@ -9,15 +9,15 @@ use denavit_calibrate::ObservationKind;
 use denavit_calibrate::calibration::{
     CalibrateError, CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell,
 };
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::residual_statistics::Residual;
-use denavit_calibrate::identify::stop::Stop;
-use denavit_calibrate::observation::kinds::KINDS;
-use denavit_calibrate::observation::measurements::Measurements;
 use denavit_calibrate::report::{html, text};
 use denavit_export::{poe, urdf};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::residual_statistics::Residual;
+use denavit_linear::stop::Stop;
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, prior_read, rows, search};
 use denavit_load::{Loaded, Selection};
+use denavit_measurements::Measurements;
+use denavit_measurements::kinds::KINDS;
 use denavit_model::Tips;
 use denavit_model::nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};

@@ -7,13 +7,13 @@ use crate::errors::{argument, measured};
 use crate::measured::{Fit, kind, prior_file};
 use crate::robot::reading;
 use denavit_calibrate::apply::plan::{PlanOptions, plan as planned};
-use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
-use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::apply::simulate::{SimulationOptions, TRIES, commanded_readings};
-use denavit_calibrate::effects::SavedEffects;
-use denavit_calibrate::observation::kinds::{PIXEL, POSITION};
-use denavit_calibrate::observation::measurements::Units;
+use denavit_identify::effects::SavedEffects;
+use denavit_identify::simulate::effect_specification::EffectSpecification;
+use denavit_identify::simulate::files::{FilesAsked, FilesError, files};
+use denavit_identify::simulate::{SimulationOptions, TRIES, commanded_readings};
 use denavit_load::measured::{corners, earlier, moving, sight};
+use denavit_measurements::Units;
+use denavit_measurements::kinds::ObservationKind;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 
@@ -121,7 +121,7 @@ pub fn tell_apart<'py>(
         spread: count("spread", spread)?,
         allowed: corners(&r#box).map_err(|failure| measured(&failure))?,
         seed,
-        ..PlanOptions::new(nominal, count("count", wanted)?, POSITION)
+        ..PlanOptions::new(nominal, count("count", wanted)?, ObservationKind::Position)
     };
     let found = py.detach(|| result.tell_apart(statics, &options, true));
     let found = found.map_err(|failure| argument(failure.to_string()))?;
@@ -175,7 +175,7 @@ pub fn simulate(
     if camera.as_ref().is_some_and(|sight| sight.board.is_none()) {
         return Err(argument("a camera needs a board to see; give its squares as board, such as \"7x5:30mm\""));
     }
-    let kind = if camera.is_some() { PIXEL } else { kind(measure)? };
+    let kind = if camera.is_some() { ObservationKind::Pixel } else { kind(measure)? };
     let rows = if q.is_some() { rows } else { count("rows", rows)? };
     let tries = if kind.of_a_board() { TRIES } else { 1 };
     let readings = match &q {

@@ -2,11 +2,11 @@
 
 use crate::support::robot;
 use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, calibrate};
-use denavit_calibrate::effects::driver::{Conditions, Driver, Posture, Statics};
-use denavit_calibrate::observation::measurements::{self, Covariate, Covariates, Measurements, Units};
 use denavit_dh::{Convention, Options, ToolPart};
 use denavit_export::formats::FORMATS;
 use denavit_export::sheet::Sheet;
+use denavit_identify::effects::driver::{Conditions, Driver, Posture, Statics};
+use denavit_measurements::{self, Covariate, Covariates, Measurements, Units};
 use denavit_model::{Chain, Reading, Robot};
 
 fn arm() -> (Robot, Chain) {
@@ -20,7 +20,7 @@ fn arm() -> (Robot, Chain) {
 fn measured(chain: &Chain, columns: &str, rows: &[String]) -> Measurements {
     let joints: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
     let file = format!("{},{columns}\n{}", joints.join(","), rows.concat());
-    measurements::read("data.csv", file.as_bytes(), chain, Units::default()).unwrap().data
+    denavit_measurements::read("data.csv", file.as_bytes(), chain, Units::default()).unwrap().data
 }
 
 #[test]

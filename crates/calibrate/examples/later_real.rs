@@ -1,6 +1,6 @@
 //! A model of one day compared with rows of a later one, tracker and target mounted anew: what calibrations promise.
 //!
-//! `cargo run --release -p denavit-calibrate --features unstable --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
+//! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
 //! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
 //! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
@@ -12,18 +12,18 @@ mod real;
 use self::real::Real;
 use denavit_calibrate::calibration::contract::Stage;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::survey::with_run_order_after;
-use denavit_calibrate::effects::{EffectModel, Statics};
-use denavit_calibrate::identify::carried::PartState;
-use denavit_calibrate::identify::posterior::Earlier;
-use denavit_calibrate::identify::residual_statistics::residuals;
-use denavit_calibrate::identify::solve::{FitOptions, fit};
-use denavit_calibrate::observation::arm::{Perturbation, Perturbed, Row};
-use denavit_calibrate::observation::measurements::{Measurements, MissingColumn};
-use denavit_calibrate::observation::parameters::{Effects, Parameter, Sensitivity};
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, Tolerances, identify};
+use denavit_identify::arm::{Perturbation, Perturbed, Row};
+use denavit_identify::carried::PartState;
+use denavit_identify::effects::survey::with_run_order_after;
+use denavit_identify::effects::{EffectModel, Statics};
+use denavit_identify::parameters::{Effects, Parameter, Sensitivity};
+use denavit_identify::posterior::Earlier;
+use denavit_identify::residual_statistics::residuals;
+use denavit_identify::solve::{FitOptions, fit};
+use denavit_measurements::{Measurements, MissingColumn};
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;

@@ -10,8 +10,8 @@ mod webcam;
 #[path = "../tests/hands/mod.rs"]
 mod hands;
 
-use denavit_calibrate::apply::simulate::SimulationOptions;
-use denavit_calibrate::observation::kinds::{DIAL, GRAVITY, INCLINATION, PLANE};
+use denavit_identify::simulate::SimulationOptions;
+use denavit_measurements::kinds::ObservationKind;
 
 const RUNS: u64 = 100;
 /// A row of a grip has a frame of its own: these take long.
@@ -19,7 +19,9 @@ const GRIPS: u64 = 24;
 
 fn main() {
     println!("| measured | readings | runs | error of predicted heights / Cramér-Rao bound |\n|---|---|---|---|");
-    for (kind, word) in [(PLANE, "a ball on three planes"), (DIAL, "a dial gauge on three plates")] {
+    for (kind, word) in
+        [(ObservationKind::Plane, "a ball on three planes"), (ObservationKind::Dial, "a dial gauge on three plates")]
+    {
         for rows in [150, 300] {
             let options = SimulationOptions { kind, rows, noise_position: 1e-5, ..SimulationOptions::default() };
             let ratio = webcam::efficiency_of(&webcam::panda(), &options, |_, options| options.noise_position, 0..RUNS);
@@ -47,7 +49,7 @@ fn main() {
     println!(
         "\n| sensor of gravity | postures | runs | error of predicted directions / Cramér-Rao bound |\n|---|---|---|---|"
     );
-    for (kind, word) in [(GRAVITY, "accelerometer"), (INCLINATION, "inclinometer")] {
+    for (kind, word) in [(ObservationKind::Gravity, "accelerometer"), (ObservationKind::Inclination, "inclinometer")] {
         let options = SimulationOptions { kind, rows: 100, noise_orientation: 2e-4, ..SimulationOptions::default() };
         let ratio = webcam::efficiency_of(&webcam::panda(), &options, |_, options| options.noise_orientation, 0..RUNS);
         println!("| {word} | 100 | {RUNS} | {ratio:.3} |");

@@ -1,6 +1,6 @@
 //! How often intervals hold the truth: bands of error curves, coefficients of effects.
 //!
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_coverage -- [RUNS] [others]`
+//! `cargo run --release -p denavit-calibrate --example study_coverage -- [RUNS] [others]`
 //!
 //! UR5e, off by 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad. Curves: three
 //! joints err by four sines of orders between 1.5 and 8. A curve is compared with the truth less its mean over the rows, which is
@@ -8,13 +8,13 @@
 //! sines of higher orders, in few rows.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, urdf};
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;

@@ -1,4 +1,4 @@
-//! Few rows of every real set: `cargo run --release -p denavit-calibrate --features unstable --example study_few -- DRAWS.json [SIZES [SETS]]`.
+//! Few rows of every real set: `cargo run --release -p denavit-calibrate --example study_few -- DRAWS.json [SIZES [SETS]]`.
 //!
 //! Of each set ten draws of 15 to 200 rows (postures are never split) are fitted and judged on up to 300 other rows: error of each stage over
 //! that of plain geometry, whether the predicted error holds, and by which the set is harmed. The draws are written to the first argument
@@ -12,16 +12,16 @@ mod real;
 use self::real::Real;
 use denavit_calibrate::calibration::contract::Stage;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::Conditions;
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::identify::averaging::averaged;
-use denavit_calibrate::identify::residual_statistics::{Residual, bound_later, placed, residuals};
-use denavit_calibrate::identify::solve::Fit;
-use denavit_calibrate::identify::{IdentifyOptions, identify};
-use denavit_calibrate::observation::arm::Row;
-use denavit_calibrate::observation::measurements::{Covariate, Measurements};
-use denavit_calibrate::observation::parameters::Effects;
-use denavit_calibrate::trace::TraceOptions;
+use denavit_identify::arm::Row;
+use denavit_identify::averaging::averaged;
+use denavit_identify::effects::Conditions;
+use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::parameters::Effects;
+use denavit_identify::residual_statistics::{Residual, bound_later, placed, residuals};
+use denavit_identify::solve::Fit;
+use denavit_identify::{IdentifyOptions, identify};
+use denavit_measurements::{Covariate, Measurements};
+use denavit_trace::TraceOptions;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;

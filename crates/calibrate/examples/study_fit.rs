@@ -8,9 +8,9 @@
 mod real;
 
 use self::real::Real;
-use denavit_calibrate::identify::residual::ResidualModel;
-use denavit_calibrate::identify::{IdentifyOptions, identify};
-use denavit_calibrate::observation::parameters::NoEffects;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
+use denavit_identify::{IdentifyOptions, identify};
 
 /// Rows of a draw: xorshift, so that the draws are the same everywhere.
 fn drawn(rows: usize, count: usize, seed: u64) -> (Vec<usize>, Vec<usize>) {

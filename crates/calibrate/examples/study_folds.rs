@@ -1,4 +1,4 @@
-//! Every row held out once: `cargo run --release -p denavit-calibrate --features unstable --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
+//! Every row held out once: `cargo run --release -p denavit-calibrate --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
 //!
 //! Postures are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (links, commas
 //! between them), `UNITS` (such as mm,deg), `SEED` of the deal.
@@ -8,8 +8,8 @@ mod real;
 
 use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;

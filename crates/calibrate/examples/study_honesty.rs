@@ -1,16 +1,16 @@
 //! How often a cause is named where none acts, or where twenty tiny ones do: noise as real files have it.
 //!
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_honesty -- FILES [ROWS ...]`
+//! `cargo run --release -p denavit-calibrate --example study_honesty -- FILES [ROWS ...]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, Measurements, identify};
+use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, examples};
+use denavit_trace::{Trace, TraceOptions, trace};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
@@ -54,7 +54,7 @@ pub fn file(chain: &Chain, world: World, rows: usize, seed: u64) -> Measurements
         coefficients: vec![0.2 * REPEATABILITY * normal(&mut ChaCha8Rng::seed_from_u64(k as u64 + 99 * seed)), 0.0],
     };
     let effects = if world == World::Field { (0..20).map(tiny).collect() } else { Vec::new() };
-    let kind = POSITION;
+    let kind = ObservationKind::Position;
     let options = SimulationOptions { kind, rows, seed, noise_position: 1e-9, ..Default::default() };
     let mut data = simulate(chain, &options, &EffectModel::new(statics, effects)).data;
     for reading in &mut data.readings {

@@ -1,5 +1,5 @@
 //! Which effects are named when only four rows of five are given, or another share of them, drawn at random:
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_names -- ROBOT.urdf DATA.csv [DRAWS [SHARE]]`.
+//! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS [SHARE]]`.
 //!
 //! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
@@ -8,7 +8,7 @@ mod real;
 
 use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::trace::TraceOptions;
+use denavit_trace::TraceOptions;
 use std::collections::BTreeMap;
 
 /// Share of the draws in which a name must recur.

@@ -1,13 +1,13 @@
 //! What noise is estimated to be made of, beside what it was made of: how often the intervals of each source hold its true size, how often
 //! a source is claimed that is there, and how often one that is not.
 //!
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_noise -- [RUNS [ROWS]]`
+//! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::identify::noise::{Component, NoiseModel, noise_model};
-use denavit_calibrate::observation::kinds::{ObservationKind, POSE, POSITION};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::noise::{Component, NoiseModel, noise_model};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, examples};
 use rand::SeedableRng;
@@ -40,7 +40,7 @@ pub struct World {
 
 const WHITE: World = World {
     name: "white",
-    kind: POSITION,
+    kind: ObservationKind::Position,
     position: 3e-5,
     orientation: 3e-5,
     range: 0.0,
@@ -54,22 +54,33 @@ const WHITE: World = World {
 pub fn worlds() -> Vec<World> {
     vec![
         WHITE,
-        World { name: "white, poses", kind: POSE, ..WHITE },
+        World { name: "white, poses", kind: ObservationKind::Pose, ..WHITE },
         World { name: "white, t with 5 degrees of freedom", tails: Some(5.0), ..WHITE },
         World { name: "range and angle", position: 5e-6, range: 1e-5, angle: 3e-5, ..WHITE },
         World { name: "range", position: 1e-5, range: 6e-5, ..WHITE },
         World { name: "joints 1 to 3", repeatability: [8e-5, 8e-5, 8e-5, 0.0, 0.0, 0.0], ..WHITE },
-        World { name: "joints 1 to 3, poses", kind: POSE, repeatability: [6e-5, 6e-5, 6e-5, 0.0, 0.0, 0.0], ..WHITE },
-        World { name: "all joints alike, poses", kind: POSE, position: 1e-5, repeatability: [4e-5; 6], ..WHITE },
+        World {
+            name: "joints 1 to 3, poses",
+            kind: ObservationKind::Pose,
+            repeatability: [6e-5, 6e-5, 6e-5, 0.0, 0.0, 0.0],
+            ..WHITE
+        },
+        World {
+            name: "all joints alike, poses",
+            kind: ObservationKind::Pose,
+            position: 1e-5,
+            repeatability: [4e-5; 6],
+            ..WHITE
+        },
         World {
             name: "poses of a probe that turns about a point 0.5 m off",
-            kind: POSE,
+            kind: ObservationKind::Pose,
             lever: [0.3, 0.0, -0.4],
             ..WHITE
         },
         World {
             name: "the same, joints alike",
-            kind: POSE,
+            kind: ObservationKind::Pose,
             position: 1e-5,
             orientation: 6e-5,
             lever: [0.3, 0.0, -0.4],

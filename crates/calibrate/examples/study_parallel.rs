@@ -5,9 +5,9 @@
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Pose, Quantity, Screw, examples, se3};
 
@@ -138,8 +138,8 @@ impl DhArm {
 /// The pose that was measured in a row.
 fn pose_read(data: &Measurements, row: usize) -> Pose {
     let values = data.observed.values(row);
-    let rotation = POSE.orientation(values).unwrap_or_default();
-    se3::pose(rotation, POSE.position(values).unwrap_or_default())
+    let rotation = ObservationKind::Pose.orientation(values).unwrap_or_default();
+    se3::pose(rotation, ObservationKind::Pose.position(values).unwrap_or_default())
 }
 
 fn position_rms(residual: &DVector<f64>) -> f64 {
@@ -194,7 +194,7 @@ fn main() {
     let Some(ur5) = ur5() else { return };
     for chain in [ur5, examples::scara_helical(), examples::puma_like()] {
         let options = SimulationOptions {
-            kind: POSE,
+            kind: ObservationKind::Pose,
             rows: 40,
             turn: 2e-3,
             shift: 2e-3,

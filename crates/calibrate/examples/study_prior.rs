@@ -1,7 +1,7 @@
 //! Two days of one robot that gives under gravity and whose gears err: the second day's ten poses with the first day's calibration
 //! beside one fit of both days.
 //!
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_prior -- [RUNS]`
+//! `cargo run --release -p denavit-calibrate --example study_prior -- [RUNS]`
 //!
 //! UR5e as in `study_coverage`: 300 poses on the first day, instrument and target placed anew on the second; errors on 200 rows of the
 //! second day that no fit saw, the noise of these rows in it.
@@ -11,13 +11,13 @@
 #[allow(dead_code, reason = "one study takes a part of the other")]
 pub mod study_coverage;
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Term};
-use denavit_calibrate::identify::posterior::Earlier;
-use denavit_calibrate::observation::gauge;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Term};
+use denavit_identify::gauge;
+use denavit_identify::posterior::Earlier;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_trace::infer::CurveOptions;
 use study_coverage::{SMOOTH, gears, readings, ur5e};
 
 /// Poses of the first day.

@@ -1,5 +1,5 @@
 //! One robot's run told in several ways: whether the tracer names the same causes.
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_retold -- FOLDER [PART OF A NAME]`, a folder of blind cases made by
+//! `cargo run --release -p denavit-calibrate --example study_retold -- FOLDER [PART OF A NAME]`, a folder of blind cases made by
 //! `tests/oracle/calibration/suite.py`.
 //!
 //! Each case is traced as it is; with its rows in another order; with a column that means nothing; in millimetres and degrees; with its
@@ -7,12 +7,12 @@
 //! Prints the cases whose names differ, and a table.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::observation::measurements::{Measurements, Units, read, write};
-use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_identify::effects::Statics;
+use denavit_identify::effects::survey::with_run_order;
+use denavit_measurements::{Measurements, Units, read, write};
 use denavit_model::{Chain, Screw, tree::Reading};
+use denavit_trace::{TraceOptions, trace};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

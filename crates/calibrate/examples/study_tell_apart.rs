@@ -1,5 +1,5 @@
 //! Whether twenty poses chosen to distinguish causes decide more than twenty D-optimal or random ones:
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
+//! `cargo run --release -p denavit-calibrate --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
 //! `... -- real ROBOT.urdf DATA.csv [DRAWS]` with `TIP` and `UNITS` in the environment.
 //!
 //! Simulated: a robot off by its tolerances with one effect, measured at a poor set of postures (every joint in a third of
@@ -13,14 +13,14 @@ use self::real::Real;
 use denavit_calibrate::Measurements;
 use denavit_calibrate::apply::plan::tell_apart::TellApart;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
-use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, readings, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::trace::TraceOptions;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::simulate::effect_specification::specified_effects;
+use denavit_identify::simulate::{Simulation, SimulationOptions, readings, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
+use denavit_trace::TraceOptions;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
@@ -129,7 +129,13 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
     let posture =
         |random: &mut ChaCha8Rng| poor.iter().map(|(from, width)| from + width * random.random::<f64>()).collect();
     let poses: Vec<Vec<f64>> = (0..ROWS).map(|_| posture(&mut random)).collect();
-    let simulated = SimulationOptions { kind: POSITION, rows: ROWS, seed, readings: Some(poses), ..Default::default() };
+    let simulated = SimulationOptions {
+        kind: ObservationKind::Position,
+        rows: ROWS,
+        seed,
+        readings: Some(poses),
+        ..Default::default()
+    };
     let bare = simulate(chain, &simulated, &denavit_calibrate::NoEffects);
     let judges = readings(chain, JUDGES, seed ^ 0xbeef);
     // As strong as it is over the whole range.
@@ -150,7 +156,7 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
     if before.right || found.trace.as_ref().is_none_or(|trace| trace.open.is_none()) {
         return None;
     }
-    let plan_options = PlanOptions::new(chain, ADDED, POSITION);
+    let plan_options = PlanOptions::new(chain, ADDED, ObservationKind::Position);
     let planned = found.tell_apart(statics, &plan_options, true).unwrap();
     let is_right = |possible: &denavit_calibrate::apply::plan::tell_apart::Possible| {
         possible.causes.iter().any(|cause| cause.kind.name() == kind && cause.place == place)
@@ -274,7 +280,8 @@ fn real_rows(path: &str, file: &str, draws: u64) {
         let judges = data.subset(&judged);
         let found = calibrate(chain, statics, rows(&[]), None, &asked).unwrap();
         let candidates = offered.iter().map(|&row| data.reading(row).to_vec()).collect();
-        let wanted = PlanOptions { candidates: Some(candidates), ..PlanOptions::new(chain, 40, POSITION) };
+        let wanted =
+            PlanOptions { candidates: Some(candidates), ..PlanOptions::new(chain, 40, ObservationKind::Position) };
         let planned = found.tell_apart(statics, &wanted, true).unwrap();
         let chosen: Vec<usize> = planned.candidates.iter().map(|&index| offered[index]).collect();
         let optimal = plan(chain, &wanted).unwrap().poses;
@@ -319,7 +326,7 @@ fn time() {
         let found = calibrate(chain, statics, data, None, &options(chain)).unwrap();
         let whole = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
-        let few = PlanOptions { spread: 60, ..PlanOptions::new(chain, ADDED, POSITION) };
+        let few = PlanOptions { spread: 60, ..PlanOptions::new(chain, ADDED, ObservationKind::Position) };
         let planned = found.tell_apart(statics, &few, false).unwrap();
         let own = begun.elapsed().as_secs_f64();
         let possible = planned.prospect.possible.len();

@@ -3,10 +3,10 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A study prints its figures, and stops at the first error.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::POSE;
-use denavit_calibrate::observation::measurements::{Units, read, write};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Units, read, write};
 use denavit_model::{Reading, urdf};
 use std::path::Path;
 use std::time::Instant;
@@ -16,7 +16,7 @@ fn main() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/universal_robots/ur5e.urdf");
     let robot = urdf::read("ur5e.urdf", &std::fs::read_to_string(file).unwrap()).unwrap();
     let chain = &robot.chain(None, None, Reading::Intended).unwrap().value;
-    let options = SimulationOptions { kind: POSE, rows, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Pose, rows, ..Default::default() };
     let text = write(&simulate(chain, &options, &NoEffects).data, &[]);
     if let Some(path) = std::env::args().nth(2) {
         std::fs::write(path, &text).unwrap();

@@ -1,18 +1,18 @@
 //! Judges the tracer on a folder of blind cases made by `tests/oracle/calibration/suite.py`:
-//! `cargo run --release -p denavit-calibrate --features unstable --example study_tracing -- FOLDER [PART OF A NAME]`.
+//! `cargo run --release -p denavit-calibrate --example study_tracing -- FOLDER [PART OF A NAME]`.
 //!
 //! For each case that is not right: what was hidden and what was found. At the end the table of `docs/effects.md`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in sorted lists")]
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
 
-use denavit_calibrate::effects::catalogue::Kind;
-use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
-use denavit_calibrate::effects::{Driver, Statics};
-use denavit_calibrate::observation::measurements::{Measurements, Units, read};
-use denavit_calibrate::trace::{Finding, TraceOptions, trace};
 use denavit_calibrate::{Effects, IdentifyOptions, ResidualModel, identify};
+use denavit_identify::effects::catalogue::Kind;
+use denavit_identify::effects::survey::{with_run_order, with_run_order_after};
+use denavit_identify::effects::{Driver, Statics};
+use denavit_measurements::{Measurements, Units, read};
 use denavit_model::{Chain, tree::Reading};
+use denavit_trace::{Finding, TraceOptions, trace};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;

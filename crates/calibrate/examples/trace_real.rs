@@ -8,8 +8,8 @@ mod real;
 use self::real::Real;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 use std::time::Instant;
 
 fn main() {

@@ -27,34 +27,34 @@ use crate::calibration::contract::{
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::calibration::expected::Expected;
 use crate::calibration::rows::Rows;
-use crate::calibration::stages::{Beyond, Stages, beyond, kept};
-use crate::effects::curve::Curve;
-use crate::effects::driver::Statics;
-use crate::effects::model::{EffectModel, Term};
-use crate::effects::survey::{Survey, with_run_order, with_run_order_after};
-use crate::identify::averaging::{Averaging, Named, NotAveraged, averaged};
-use crate::identify::carried::{self, Carried};
-use crate::identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
-use crate::identify::information::Information;
-use crate::identify::known_effects::EffectsPosterior;
-use crate::identify::lack_of_fit::lack_of_fit;
-use crate::identify::noise::{HeldCurve, NoiseModel, noise_model};
-use crate::identify::posterior::{KnownParameter, Posterior};
-use crate::identify::proportion::{OutOfProportion, within_proportion};
-use crate::identify::quantization::{self, Rounding};
-use crate::identify::redundancy::{Redundancy, different};
-use crate::identify::residual_statistics::{Residual, TestError, bound_later};
-use crate::identify::solve::{Fit, Unfinished, outside};
-use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Freedom, NoEffects};
-use crate::trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
-use crate::trace::infer::model::Kernel;
-use crate::trace::loads::undeclared_loads;
-use crate::trace::masses::link_masses;
-use crate::trace::{Finding, Trace, TraceOptions, trace};
+use crate::calibration::stages::{Beyond, Stages, beyond, geometric_stages, geometry_at, kept};
+use denavit_identify::arm::Arm;
+use denavit_identify::averaging::{Averaging, Named, NotAveraged, averaged};
+use denavit_identify::carried::{self, Carried};
+use denavit_identify::effects::curve::Curve;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::effects::model::{EffectModel, Term};
+use denavit_identify::effects::survey::{Survey, with_run_order, with_run_order_after};
+use denavit_identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
+use denavit_identify::information::Information;
+use denavit_identify::known_effects::EffectsPosterior;
+use denavit_identify::lack_of_fit::lack_of_fit;
+use denavit_identify::noise::{HeldCurve, NoiseModel, noise_model};
+use denavit_identify::parameters::{Freedom, NoEffects};
+use denavit_identify::posterior::{KnownParameter, Posterior};
+use denavit_identify::proportion::{OutOfProportion, within_proportion};
+use denavit_identify::quantization::{self, Rounding};
+use denavit_identify::redundancy::{Redundancy, different};
+use denavit_identify::residual_statistics::{Residual, TestError, bound_later};
+use denavit_identify::solve::{Fit, Unfinished, outside};
+use denavit_identify::{Identification, IdentifyOptions, identify};
+use denavit_measurements::Measurements;
 use denavit_model::Chain;
+use denavit_trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
+use denavit_trace::infer::model::Kernel;
+use denavit_trace::loads::undeclared_loads;
+use denavit_trace::masses::link_masses;
+use denavit_trace::{Finding, Trace, TraceOptions, trace};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
@@ -212,31 +212,22 @@ pub struct Calibration {
     /// The contract.
     pub report: CalibrationReport,
     /// What the rows say of the parameters in the report, no prior in it; `None` where no axis was identified.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub information: Option<Information>,
     /// Nominal and geometric fit.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identification: Identification,
     /// The last stage that names causes or has error curves.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub beyond: Option<Box<Fit<EffectModel>>>,
     /// The recommended prediction, averaged over everything that may act; `Err` says why there is none.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub averaging: Result<Box<Averaging>, NotAveraged>,
     /// What the tracer found, if it was asked.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub trace: Option<Trace>,
     /// Error curves of the joints, if they were asked for.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub curves: Option<CurveFit>,
     /// The effects and curves of an earlier calibration on these rows, if it knows some.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub carried: Option<Carried>,
     /// Counts, and what is unidentifiable.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identifiability: Identifiability,
     /// Rounded readings, where there are any.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub rounding: Option<Rounding>,
     /// The rows fitted.
     pub train: Arc<Measurements>,
@@ -251,19 +242,16 @@ impl Calibration {
     }
 
     /// The fit that was adopted, where it holds geometry alone; else the geometric one.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn without_effects(&self) -> &Fit<NoEffects> {
-        self.identification.at(self.report.adopted)
+        geometry_at(&self.identification, self.report.adopted)
     }
 
     /// The fit that was adopted, if it holds more than geometry: everything averaged, effects or error curves.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
         self.averaging.as_ref().ok().map(|averaging| &averaging.fit).or(self.named())
     }
 
     /// The last stage with causes or error curves.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn named(&self) -> Option<&Fit<EffectModel>> {
         self.beyond.as_deref()
     }
@@ -380,7 +368,7 @@ pub fn calibrate_and_tell(
     } else {
         Err(NotAveraged::NotAsked)
     };
-    let of_geometry = identification.stages(carried.is_some());
+    let of_geometry = geometric_stages(&identification, carried.is_some());
     let placed_anew = test.as_ref().and_then(|test| PlacedAnew::find(&identification.geometric, &train, test));
     let mut stages = Stages::new(&train, test.as_ref(), placed_anew.as_ref());
     stages.add_all(&of_geometry, &beyond)?;

@@ -3,15 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::Measurements;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::{
+use denavit_identify::arm::Row;
+use denavit_identify::effects::{
     Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term,
 };
-use denavit_calibrate::observation::arm::Row;
-use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
-use denavit_calibrate::observation::measurements::{MissingColumn, Units, read};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{MissingColumn, Units, read};
 use denavit_model::examples::puma_like;
 
 /// Gears that err with their own turn.
@@ -45,7 +45,11 @@ fn averaged(train: Measurements, test: Option<Measurements>) -> Calibration {
 
 #[test]
 fn every_kind_of_rows_is_predicted_better_than_by_geometry_alone() {
-    for (kind, count, word) in [(POSE, 25, "position"), (POSITION, 40, "position"), (DISTANCE, 120, "distance")] {
+    for (kind, count, word) in [
+        (ObservationKind::Pose, 25, "position"),
+        (ObservationKind::Position, 40, "position"),
+        (ObservationKind::Distance, 120, "distance"),
+    ] {
         let (train, test) = rows(kind, count, 5);
         let result = averaged(train, Some(test));
         let stages = &result.report.stages;
@@ -71,7 +75,7 @@ fn every_kind_of_rows_is_predicted_better_than_by_geometry_alone() {
 
 #[test]
 fn what_is_saved_predicts_the_same_and_goes_on_without_what_nobody_records() {
-    let (train, _) = rows(POSITION, 30, 8);
+    let (train, _) = rows(ObservationKind::Position, 30, 8);
     let result = averaged(train, None);
     let chain = puma_like();
     let statics = Statics::of_chain(&chain);
@@ -106,7 +110,7 @@ fn from_farther(data: &Measurements, by: f64) -> Measurements {
 #[test]
 fn a_prediction_is_as_sure_from_an_instrument_far_away() {
     // The farther the instrument, the more its metre and the place of its frame make up for each other: neither is an error of a prediction.
-    let (train, test) = rows(POSITION, 30, 4);
+    let (train, test) = rows(ObservationKind::Position, 30, 4);
     let judged = |by: f64| {
         let result = averaged(from_farther(&train, by), Some(from_farther(&test, by)));
         let error = result.report.stages.last().unwrap().test.as_ref().unwrap().of("position").unwrap().rms;
@@ -120,7 +124,7 @@ fn a_prediction_is_as_sure_from_an_instrument_far_away() {
 
 #[test]
 fn outside_of_what_was_measured_the_prediction_is_unsure_and_goes_back_to_geometry() {
-    let (train, _) = rows(POSITION, 60, 3);
+    let (train, _) = rows(ObservationKind::Position, 60, 3);
     // Joint 1 is measured in half of its range.
     let near: Vec<usize> = (0..train.len()).filter(|&row| train.reading(row)[0] < 0.0).collect();
     let result = averaged(train.subset(&near), None);

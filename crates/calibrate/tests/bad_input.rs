@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::{Covariate, DataNote, Units, read, write};
-use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Covariate, DataNote, Units, read, write};
 use denavit_model::examples::planar_arm;
+use denavit_trace::TraceOptions;
 
 fn error(text: &str) -> String {
     read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap_err().to_string()
@@ -113,7 +113,7 @@ fn every_column_is_said_to_be_something() {
     let text = "joint_1,joint_2,x,y,z,time,joint_1.approach,operator,gain,locate\n0,0,1,0,0,5,1,ann,2,0\n1,1,0,1,0,6,-1,ben,3,0\n";
     let loaded = read("m.csv", text.as_bytes(), &planar_arm(), Units::default()).unwrap();
     assert_eq!(
-        denavit_calibrate::observation::measurements::columns::in_words(&loaded.columns),
+        denavit_measurements::columns::in_words(&loaded.columns),
         "joint_1, joint_2 (joint reading); x, y, z (position of the target); time; joint_1.approach (approach of joint_1); \
          operator (label); gain (recorded number); locate (rows that place a target)"
     );
@@ -296,7 +296,7 @@ fn what_is_no_failure_is_noted() {
 
 #[test]
 fn what_is_written_is_read_again() {
-    for kind in [POSE, POSITION, DISTANCE] {
+    for kind in [ObservationKind::Pose, ObservationKind::Position, ObservationKind::Distance] {
         let run = simulate(
             &planar_arm(),
             &SimulationOptions { kind, rows: 20, targets: 2, ..Default::default() },
@@ -330,11 +330,11 @@ fn data_that_cannot_be_fitted() {
     let of =
         |kind, rows| simulate(&planar_arm(), &SimulationOptions { kind, rows, ..Default::default() }, &NoEffects).data;
     assert_eq!(
-        calibration_error(of(POSITION, 3), None, None),
+        calibration_error(of(ObservationKind::Position, 3), None, None),
         "simulation: 3 rows hold 9 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
          them; measure more poses"
     );
-    let mut mixed = of(POSITION, 60);
+    let mut mixed = of(ObservationKind::Position, 60);
     let observed = mixed.observed.subset((0..60).map(|row| (row + 7) % 60), Some);
     mixed.observed = observed;
     let text = calibration_error(mixed, None, None);
@@ -344,18 +344,18 @@ fn data_that_cannot_be_fitted() {
     );
     assert!(text.ends_with("are all units right (‹units›)?"), "{text}");
     assert_eq!(
-        calibration_error(of(POSITION, 40), Some(of(POSE, 5)), None),
+        calibration_error(of(ObservationKind::Position, 40), Some(of(ObservationKind::Pose, 5)), None),
         "simulation: it measures poses, but the model was fitted to positions; test with the same kind of value"
     );
-    let mut other = of(POSITION, 5);
+    let mut other = of(ObservationKind::Position, 5);
     other.scene.targets = vec!["7".into()];
     assert_eq!(
-        calibration_error(of(POSITION, 40), Some(other), None),
+        calibration_error(of(ObservationKind::Position, 40), Some(other), None),
         "simulation: target \"7\" is not among the fitted ones () and no row places it; set locate = 1 in a row that sees \
          it, or measure a fitted target"
     );
     assert_eq!(
-        calibration_error(of(POSITION, 40), None, Some(1.5)),
+        calibration_error(of(ObservationKind::Position, 40), None, Some(1.5)),
         "‹hold-out› 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their \
          own"
     );

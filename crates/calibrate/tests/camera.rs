@@ -3,17 +3,17 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::webcam::{efficiency, panda, webcam};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::observation::board::Sight;
-use denavit_calibrate::observation::kinds::{PIXEL, POSITION};
-use denavit_calibrate::observation::lens::{Distortion, Lens};
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{DataError, Loaded, Measurements, Units, read_export, write};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::residual::Scratch;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::board::Sight;
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::lens::{Distortion, Lens};
+use denavit_measurements::{DataError, Loaded, Measurements, Units, read_export, write};
 use denavit_model::examples;
 use std::fmt::Write as _;
 
@@ -107,7 +107,7 @@ fn a_webcam_tells_what_its_noise_allows() {
 fn a_camera_and_a_tracker_are_one_fit() {
     let chain = panda();
     let seen = simulate(&chain, &SimulationOptions { rows: 30, ..webcam(false) }, &NoEffects);
-    let tracker = SimulationOptions { kind: POSITION, rows: 30, seed: 3, ..Default::default() };
+    let tracker = SimulationOptions { kind: ObservationKind::Position, rows: 30, seed: 3, ..Default::default() };
     let own = simulate(&chain, &tracker, &NoEffects).arm;
     let arm = Arm { joints: seen.arm.joints.clone(), ..own };
     let positions = simulate_arm(&arm, &tracker, &NoEffects).data;
@@ -246,8 +246,7 @@ fn held_out_images_come_out_at_the_noise() {
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
     let stage = result.report.stages.last().unwrap();
     let [train, test] = [&stage.train, stage.test.as_ref().unwrap()].map(|errors| *errors.of("reprojection").unwrap());
-    let pixels =
-        |error: &denavit_calibrate::identify::residual_statistics::ErrorSummary| error.rms / error.per_pixel.unwrap();
+    let pixels = |error: &denavit_identify::residual_statistics::ErrorSummary| error.rms / error.per_pixel.unwrap();
     println!("fitted {:.4} px, held out {:.4} px", pixels(&train), pixels(&test));
     // Two components of 0.2 px.
     assert!((0.26..0.29).contains(&pixels(&train)) && (0.26..0.34).contains(&pixels(&test)));
@@ -256,5 +255,5 @@ fn held_out_images_come_out_at_the_noise() {
     let last = json["stages"].as_array().unwrap().last().unwrap()["test"].clone();
     let ratio = last["reprojection_rms_m"].as_f64().unwrap() / last["reprojection_rms_px"].as_f64().unwrap();
     assert!((ratio - 0.6 / Lens::webcam().focal()).abs() < 1e-12, "{last}");
-    assert_eq!(json["measurement"], serde_json::json!(PIXEL));
+    assert_eq!(json["measurement"], serde_json::json!(ObservationKind::Pixel));
 }

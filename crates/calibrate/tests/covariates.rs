@@ -1,11 +1,11 @@
 //! What effects follow is bound to columns: one that is missing, or that has an empty cell, is an error and never 0.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::identify::residual_statistics::{Residual, bound_later, residuals};
-use denavit_calibrate::observation::measurements::{Covariate, Units, read};
 use denavit_calibrate::{Effects as _, Measurements, NoEffects};
+use denavit_identify::effects::survey::{Survey, with_run_order};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::residual_statistics::{Residual, bound_later, residuals};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::{Covariate, Units, read};
 use denavit_model::examples::{planar_arm, puma_like};
 
 const ROWS: usize = 30;

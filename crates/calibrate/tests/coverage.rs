@@ -1,7 +1,7 @@
 //! Bands of error curves and intervals of effects hold the truth: a small slice of the study.
 
 use crate::prior_effects::study::study_coverage::{SMOOTH, Share, bands, coefficients};
-use denavit_calibrate::effects::Kind;
+use denavit_identify::effects::Kind;
 
 #[test]
 fn bands_of_curves_hold_the_truth() {

@@ -3,18 +3,18 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::measured::measured;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::infer::CurveOptions;
-use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Units, read};
 use denavit_model::examples::puma_like;
 use denavit_model::{Reading, urdf};
+use denavit_trace::infer::CurveOptions;
+use denavit_trace::{TraceOptions, trace};
 
 /// A gear that errs with several orders, none of them whole: mrad at joint 2.
 fn gear() -> EffectModel {
@@ -40,7 +40,7 @@ fn gear() -> EffectModel {
 
 fn curves(rows: usize, seed: u64, model: &EffectModel) -> Calibration {
     let chain = puma_like();
-    let options = SimulationOptions { kind: POSITION, rows, seed, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows, seed, ..Default::default() };
     let data = simulate(&chain, &options, model).data;
     let options = CalibrateOptions {
         hold_out: Some(HoldOut { share: 0.3, seed: 0 }),
@@ -110,8 +110,12 @@ fn a_curve_is_found_beside_a_joint_that_counts_another_ones_angle() {
         },
         coefficients: vec![-1.0],
     });
-    let data =
-        simulate(&chain, &SimulationOptions { kind: POSITION, rows: 500, seed: 6, ..Default::default() }, &model).data;
+    let data = simulate(
+        &chain,
+        &SimulationOptions { kind: ObservationKind::Position, rows: 500, seed: 6, ..Default::default() },
+        &model,
+    )
+    .data;
     // The gear's orders would be named else.
     let kinds = vec![Kind::JointCoupling];
     let options = TraceOptions { kinds, ..TraceOptions::new(IdentifyOptions::axes(&chain)) };
@@ -131,7 +135,7 @@ fn what_gravity_does_is_no_curve_and_holds_in_other_postures() {
     let chain = puma_like();
     let mut model = gear();
     model.effects.extend(giving(1e-5));
-    let options = SimulationOptions { kind: POSITION, rows: 1500, seed: 4, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: 1500, seed: 4, ..Default::default() };
     let all = simulate(&chain, &options, &model).data;
     let (folded, stretched): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&row| all.reading(row)[2] > 0.3);
     let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(&chain) };
@@ -158,7 +162,7 @@ fn a_curve_is_no_larger_in_a_gap_than_at_the_rows() {
         coupling: Coupling::Paired,
     };
     model.effects.push(Effect { term: moment, coefficients: vec![3e-5] });
-    let options = SimulationOptions { kind: POSITION, rows: 1200, seed: 6, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: 1200, seed: 6, ..Default::default() };
     let all = simulate(&chain, &options, &model).data;
     let readings: Vec<f64> = (0..all.len()).map(|row| all.reading(row)[1]).collect();
     let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(*q), high.max(*q)));
@@ -221,7 +225,7 @@ fn a_saved_model_keeps_its_curves() {
 #[test]
 fn rows_with_the_reading_of_the_row_before_are_left_out() {
     let chain = puma_like();
-    let options = SimulationOptions { kind: POSITION, rows: 120, seed: 8, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: 120, seed: 8, ..Default::default() };
     let mut data = simulate(&chain, &options, &NoEffects).data;
     for row in [30, 77] {
         let late = data.observed.values(data.of_row(row - 1).next().unwrap()).to_vec();

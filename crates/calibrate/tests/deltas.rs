@@ -1,20 +1,26 @@
 //! What a controller's table is to be changed by: on the nominal table's branch, within its standard deviations of the truth.
 
 use super::diagnosis::robot;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::identify::posterior::{Earlier, Posterior};
-use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::report::deltas::{Nominal, of_fit};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_dh::convert::HAYATI_BELOW;
 use denavit_dh::nearest::Parallels;
 use denavit_dh::{NearParallel, Options, Parallelism, convert};
 use denavit_export::deltas::{csv, deltas};
+use denavit_identify::posterior::{Earlier, Posterior};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 
 #[test]
 fn a_calibrated_arm_is_given_on_the_branch_of_its_drawing() {
     let chain = robot("universal_robots/ur5e.urdf");
-    let options = SimulationOptions { kind: POSE, rows: 60, turn: 1e-3, shift: 5e-4, ..SimulationOptions::default() };
+    let options = SimulationOptions {
+        kind: ObservationKind::Pose,
+        rows: 60,
+        turn: 1e-3,
+        shift: 5e-4,
+        ..SimulationOptions::default()
+    };
     let run = simulate(&chain, &options, &NoEffects);
     let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
     let nominal = Nominal { table: None, parallels: Parallels::Hayati };
@@ -50,7 +56,13 @@ fn a_calibrated_arm_is_given_on_the_branch_of_its_drawing() {
 #[test]
 fn reported_changes_make_the_calibrated_chain() {
     let chain = robot("universal_robots/ur5e.urdf");
-    let options = SimulationOptions { kind: POSE, rows: 40, turn: 2e-3, shift: 1e-3, ..SimulationOptions::default() };
+    let options = SimulationOptions {
+        kind: ObservationKind::Pose,
+        rows: 40,
+        turn: 2e-3,
+        shift: 1e-3,
+        ..SimulationOptions::default()
+    };
     let run = simulate(&chain, &options, &NoEffects);
     let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
     let parameters = fit.layout.joints.clone().map(|index| {
@@ -58,7 +70,7 @@ fn reported_changes_make_the_calibrated_chain() {
         let change = fit.layout.difference(&fit.arm, &fit.arm)[index];
         (parameter, change, fit.deviation(index))
     });
-    let known = parameters.map(|(parameter, change, std)| denavit_calibrate::identify::posterior::KnownParameter {
+    let known = parameters.map(|(parameter, change, std)| denavit_identify::posterior::KnownParameter {
         parameter: parameter.name.clone(),
         change,
         std,

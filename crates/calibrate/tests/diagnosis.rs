@@ -4,14 +4,13 @@
 
 use super::measured::measured;
 use super::real::{irb120, tiago};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::{Units, read};
 use denavit_calibrate::report::text;
 use denavit_calibrate::{Measurements, NoEffects, ObservationKind};
 use denavit_export::sources::{self, Source, Stated};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::{Units, read};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use denavit_model::tree::Reading;
@@ -32,7 +31,7 @@ fn data(chain: &Chain, kind: ObservationKind, seed: u64) -> Measurements {
 }
 
 fn positions() -> Measurements {
-    data(&ur5e(), POSITION, 2)
+    data(&ur5e(), ObservationKind::Position, 2)
 }
 
 fn refused(chain: &Chain, data: Measurements) -> String {
@@ -101,7 +100,7 @@ fn a_joint_counted_from_the_ground_is_gone_on_with() {
 
 #[test]
 fn quaternions_in_another_order_are_named() {
-    let poses = || data(&ur5e(), POSE, 4);
+    let poses = || data(&ur5e(), ObservationKind::Pose, 4);
     let turned = |change: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| {
         let mut data = poses();
         for observation in 0..data.observations() {
@@ -140,7 +139,7 @@ fn another_robot_is_refused() {
 
 #[test]
 fn rows_of_two_robots_are_named() {
-    let (mut both, other) = (positions(), data(&ur5e(), POSITION, 77));
+    let (mut both, other) = (positions(), data(&ur5e(), ObservationKind::Position, 77));
     for row in 0..other.len() {
         for observation in other.of_row(row) {
             both.observed.push(other.observed.series(observation), other.observed.values(observation));
@@ -238,10 +237,10 @@ fn clean_runs_and_rough_robots_are_left_alone() {
     let robots = ["universal_robots/ur5e.urdf", "kuka/iiwa14.urdf", "adept/cobra600.urdf", "abb/irb120.urdf"];
     for path in robots {
         let chain = robot(path);
-        for kind in [POSITION, POSE, DISTANCE] {
+        for kind in [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance] {
             for (turn, noise) in [(1e-3, 5e-5), (4e-3, 3e-3)] {
                 // Every mistake is tried on a rough robot, which takes a while.
-                if turn > 1e-3 && (path != robots[0] || kind == DISTANCE) {
+                if turn > 1e-3 && (path != robots[0] || kind == ObservationKind::Distance) {
                     continue;
                 }
                 let options = SimulationOptions {

@@ -1,6 +1,6 @@
 //! The project's robots, as drawn.
 
-use denavit_calibrate::effects::Statics;
+use denavit_identify::effects::Statics;
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, urdf};
 use std::path::Path;

@@ -3,10 +3,10 @@
 use super::diagnosis::{robot, universal_robot};
 use super::measured::measured;
 use denavit_calibrate::NoEffects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::{ObservationKind, POSE, POSITION};
-use denavit_calibrate::observation::measurements::import::{self, ImportOptions, Map};
-use denavit_calibrate::observation::measurements::{Loaded, Measurements, Units, read, read_export, write};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::import::{self, ImportOptions, Map};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Loaded, Measurements, Units, read, read_export, write};
 use denavit_model::Chain;
 use std::fmt::Write as _;
 
@@ -75,7 +75,7 @@ fn cells(data: &Measurements) -> Vec<Vec<f64>> {
 #[test]
 fn motive_rigid_bodies() {
     let chain = ur5e();
-    let data = simulated(&chain, POSE);
+    let data = simulated(&chain, ObservationKind::Pose);
     let mut text = String::from(
         "Format Version,1.23,Take Name,arm,Capture Frame Rate,120,Rotation Type,Quaternion,Length Units,Meters\n\n\
          ,,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body\n\
@@ -99,7 +99,7 @@ fn motive_rigid_bodies() {
 #[test]
 fn vicon_trajectories() {
     let chain = ur5e();
-    let data = simulated(&chain, POSITION);
+    let data = simulated(&chain, ObservationKind::Position);
     let mut text = String::from(
         "Trajectories\n100\n,,Tool:ball,,,Tool:other,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n",
     );
@@ -116,7 +116,7 @@ fn vicon_trajectories() {
 #[test]
 fn qualisys_markers() {
     let chain = ur5e();
-    let data = simulated(&chain, POSITION);
+    let data = simulated(&chain, ObservationKind::Position);
     let mut text = String::from(
         "NO_OF_FRAMES\t12\nNO_OF_CAMERAS\t7\nNO_OF_MARKERS\t2\nFREQUENCY\t120\nNO_OF_ANALOG\t0\nANALOG_FREQUENCY\t0\n\
          DESCRIPTION\t--\nTIME_STAMP\t2014-06-17, 08:53:44\nDATA_INCLUDED\t3D\nMARKER_NAMES\tball\tother\n",
@@ -136,7 +136,7 @@ fn qualisys_markers() {
 #[test]
 fn points_of_spatial_analyzer() {
     let chain = ur5e();
-    let data = simulated(&chain, POSITION);
+    let data = simulated(&chain, ObservationKind::Position);
     let comments =
         "// SpatialAnalyzer 2024.1\n// Working Frame: A::WORLD\n// Cartesian coordinates: X Y Z, Millimeters\n";
     let expected = own_positions_in_mm(&data, &chain, "mm,rad", |angle| angle);
@@ -165,7 +165,7 @@ fn points_of_spatial_analyzer() {
 #[test]
 fn measurements_of_delmia() {
     let chain = ur5e();
-    let data = simulated(&chain, POSE);
+    let data = simulated(&chain, ObservationKind::Pose);
     let mut rows = String::new();
     let mut own = format!("{},x,y,z,roll,pitch,yaw\n", data.joints.join(","));
     for (row, cells) in cells(&data).iter().enumerate() {
@@ -203,7 +203,7 @@ fn measurements_of_delmia() {
 #[test]
 fn measurements_of_robodk() {
     let chain = ur5e();
-    let data = simulated(&chain, POSITION);
+    let data = simulated(&chain, ObservationKind::Position);
     let mut text = String::from("a,row,that,nobody,documents,at,all,but,skips,without,reading,it\n");
     for (row, cells) in cells(&data).iter().enumerate() {
         let joints: Vec<String> = data.reading(row).iter().map(|angle| angle.to_degrees().to_string()).collect();
@@ -223,7 +223,7 @@ fn measurements_of_robodk() {
 #[test]
 fn a_bare_list_of_points() {
     let chain = ur5e();
-    let data = simulated(&chain, POSITION);
+    let data = simulated(&chain, ObservationKind::Position);
     let mut text = String::new();
     for (row, cells) in cells(&data).iter().enumerate() {
         let _ = writeln!(text, "P{row} {} {} {}", cells[0], cells[1], cells[2]);
@@ -307,7 +307,7 @@ fn the_ur5_of_a_thesis_as_it_was_published() {
 
 #[test]
 fn every_reader_takes_any_form() {
-    use denavit_calibrate::observation::measurements::poses;
+    use denavit_measurements::poses;
     let chain = ur5e();
     let names: Vec<&str> = chain.coordinates().iter().map(|joint| joint.name.as_str()).collect();
     let shown: Vec<String> = names.iter().map(|name| format!("{} (deg)", name.to_uppercase())).collect();

@@ -1,16 +1,16 @@
 //! Accelerometers and inclinometers: what the direction of gravity tells of an arm, files, and one fit with a tracker.
 
 use crate::webcam::{derivatives, efficiency_of, panda};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::identify::residual_statistics::residuals;
-use denavit_calibrate::observation::kinds::{GRAVITY, INCLINATION, ObservationKind, POSITION};
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Units, read, read_export, write};
 use denavit_calibrate::report::text;
 use denavit_calibrate::{Arm, Fit, Freedom, IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::effects::Statics;
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::residual_statistics::residuals;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Units, read, read_export, write};
 use denavit_model::{Chain, Reading, examples, urdf};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ fn fitted(chain: &Chain, data: &Measurements) -> Fit<NoEffects> {
 #[test]
 fn without_noise_nothing_is_left_and_the_rank_is_what_directions_tell() {
     for chain in [examples::puma_like(), panda()] {
-        for kind in [GRAVITY, INCLINATION] {
+        for kind in [ObservationKind::Gravity, ObservationKind::Inclination] {
             let run =
                 simulate(&chain, &SimulationOptions { noise_orientation: 0.0, ..options(kind, 80, 1) }, &NoEffects);
             let fit = fitted(&chain, &run.data);
@@ -51,7 +51,7 @@ fn without_noise_nothing_is_left_and_the_rank_is_what_directions_tell() {
 
 #[test]
 fn directions_of_gravity_tell_what_their_noise_allows() {
-    for kind in [GRAVITY, INCLINATION] {
+    for kind in [ObservationKind::Gravity, ObservationKind::Inclination] {
         let ratio = efficiency_of(&panda(), &options(kind, 100, 0), |_, options| options.noise_orientation, 0..60);
         println!("{kind:?}: error over the bound {ratio:.3}");
         assert!((0.95..1.05).contains(&ratio), "{kind:?}: {ratio}");
@@ -61,7 +61,7 @@ fn directions_of_gravity_tell_what_their_noise_allows() {
 #[test]
 fn intervals_of_predicted_directions_hold_the_truth() {
     let chain = panda();
-    for kind in [GRAVITY, INCLINATION] {
+    for kind in [ObservationKind::Gravity, ObservationKind::Inclination] {
         let (mut inside, mut all) = (0.0, 0.0);
         for seed in 0..30 {
             let run = simulate(&chain, &options(kind, 60, seed), &NoEffects);
@@ -85,7 +85,7 @@ fn intervals_of_predicted_directions_hold_the_truth() {
 #[test]
 fn what_is_simulated_is_read_back_and_units_count() {
     let chain = panda();
-    for kind in [GRAVITY, INCLINATION] {
+    for kind in [ObservationKind::Gravity, ObservationKind::Inclination] {
         let run = simulate(&chain, &options(kind, 20, 2), &NoEffects);
         let back = read("g.csv", write(&run.data, &[]).as_bytes(), &chain, Units::default()).unwrap().data;
         assert_eq!((&back.readings, &back.scene), (&run.data.readings, &run.data.scene));
@@ -94,7 +94,7 @@ fn what_is_simulated_is_read_back_and_units_count() {
             assert!(pairs.clone().count() == kind.numbers() && pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-15));
         }
     }
-    let text = write(&simulate(&chain, &options(INCLINATION, 20, 2), &NoEffects).data, &[]);
+    let text = write(&simulate(&chain, &options(ObservationKind::Inclination, 20, 2), &NoEffects).data, &[]);
     let degrees = |text: &str| {
         let mut lines = text.lines();
         let header = lines.next().unwrap().to_owned();
@@ -116,7 +116,7 @@ fn zeros_are_found_with_a_telephone_in_the_gripper() {
     // Of the two parallel axes of shoulder and elbow it sees the sum; the first joint's zero and the last one's are nobody's to tell.
     let chain = examples::puma_like();
     let zeros = [0.05, -0.04, 0.06, -0.03, 0.02, 0.01];
-    let still = SimulationOptions { turn: 0.0, shift: 0.0, ..options(GRAVITY, 40, 5) };
+    let still = SimulationOptions { turn: 0.0, shift: 0.0, ..options(ObservationKind::Gravity, 40, 5) };
     let mut truth = simulate(&chain, &SimulationOptions { rows: 1, ..still.clone() }, &NoEffects).arm;
     zeros.iter().enumerate().for_each(|(joint, zero)| truth.shift_zero(joint, *zero));
     let data = simulate_arm(&truth, &still, &NoEffects).data;
@@ -137,11 +137,17 @@ fn zeros_are_found_with_a_telephone_in_the_gripper() {
 #[test]
 fn a_tracker_and_an_accelerometer_are_one_fit() {
     let chain = panda();
-    let tracker = SimulationOptions { kind: POSITION, rows: 20, seed: 3, noise_position: 2e-4, ..Default::default() };
+    let tracker = SimulationOptions {
+        kind: ObservationKind::Position,
+        rows: 20,
+        seed: 3,
+        noise_position: 2e-4,
+        ..Default::default()
+    };
     let seen = simulate(&chain, &tracker, &NoEffects);
-    let own = simulate(&chain, &options(GRAVITY, 60, 4), &NoEffects).arm;
+    let own = simulate(&chain, &options(ObservationKind::Gravity, 60, 4), &NoEffects).arm;
     let arm = Arm { joints: seen.arm.joints.clone(), ..own };
-    let felt = simulate_arm(&arm, &options(GRAVITY, 60, 4), &NoEffects).data;
+    let felt = simulate_arm(&arm, &options(ObservationKind::Gravity, 60, 4), &NoEffects).data;
     let alone = fitted(&chain, &seen.data);
     let data = Measurements::joined(vec![seen.data, felt]).unwrap();
     assert_eq!((data.scene.measured().as_str(), data.scene.targets.len()), ("position+gravity", 2));
@@ -169,9 +175,9 @@ fn a_sensor_may_sit_on_any_link() {
     let (chain, tips) = Chain::joined(&chains[0], &chains[1..]).unwrap();
     let tips = Arc::new(tips);
     let seen = simulate(&chains[0], &SimulationOptions { rows: 30, seed: 8, ..Default::default() }, &NoEffects);
-    let own = simulate(&chains[1], &options(GRAVITY, 30, 9), &NoEffects).arm;
+    let own = simulate(&chains[1], &options(ObservationKind::Gravity, 30, 9), &NoEffects).arm;
     let arm = Arm { joints: seen.arm.joints[..own.joints.len()].to_vec(), ..own };
-    let felt = simulate_arm(&arm, &options(GRAVITY, 30, 9), &NoEffects).data;
+    let felt = simulate_arm(&arm, &options(ObservationKind::Gravity, 30, 9), &NoEffects).data;
     // As a user writes them: a row names its link; joints beyond it are left empty.
     let names: Vec<&str> = chain.coordinates().iter().map(|coordinate| coordinate.name.as_str()).collect();
     let mut text = format!("tip,{},x,y,z,gravity_x,gravity_y,gravity_z\n", names.join(","));

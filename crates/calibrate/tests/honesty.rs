@@ -4,9 +4,9 @@
 #[allow(dead_code, reason = "the study has a main of its own")]
 mod study;
 
-use denavit_calibrate::effects::Kind;
-use denavit_calibrate::trace::Trace;
+use denavit_identify::effects::Kind;
 use denavit_model::examples::puma_like;
+use denavit_trace::Trace;
 use study::{World, file, traced};
 
 fn named(found: &Trace) -> Vec<(Kind, String)> {

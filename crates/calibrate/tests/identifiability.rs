@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::apply::identifiable::of_chain;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::identify::dh_form::dh_form;
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::observation::kinds::{POSE, POSITION};
 use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, identify};
+use denavit_identify::dh_form::dh_form;
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;
 
 #[test]
@@ -53,7 +53,7 @@ fn rank_is_the_papers_count() {
 #[test]
 fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
     let chain = &examples::puma_like();
-    for kind in [POSE, POSITION] {
+    for kind in [ObservationKind::Pose, ObservationKind::Position] {
         let mut run = simulate(chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
         // The joint stands still, and the measured values are those of the robot standing so.
         let truth = run.arm.clone();
@@ -61,8 +61,7 @@ fn a_joint_that_never_moves_is_named_and_left_at_nominal() {
             run.data.readings[row * 6 + 3] = 0.4;
         }
         for row in 0..run.data.len() {
-            let pose = truth.instruments[0]
-                * denavit_calibrate::apply::simulate::true_target(&truth, run.data.reading(row), 0);
+            let pose = truth.instruments[0] * denavit_identify::simulate::true_target(&truth, run.data.reading(row), 0);
             let numbers = pose.translation.vector.iter().chain(pose.rotation.matrix().iter());
             run.data.observed.values_mut(row).iter_mut().zip(numbers).for_each(|(value, number)| *value = *number);
         }

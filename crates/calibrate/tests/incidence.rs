@@ -1,13 +1,13 @@
 //! A target whose range depends on how it is turned to the instrument.
 
 use crate::drawn::ur5e;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, simulate_arm};
-use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::identify::residual_statistics::residuals;
-use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
-use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_identify::effects::survey::{Survey, with_run_order};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::residual_statistics::residuals;
+use denavit_identify::simulate::{SimulationOptions, readings, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_trace::{Trace, TraceOptions, trace};
 
 fn model(statics: &Statics, carrier: Carrier, coefficients: &[f64]) -> EffectModel {
     let term = Term { kind: Kind::TargetIncidence, carrier, driver: Driver::Constant, coupling: Coupling::Each };
@@ -30,7 +30,7 @@ fn traced(kind: ObservationKind, carrier: Carrier, coefficients: &[f64], seed: u
 #[test]
 fn what_is_read_moves_along_the_line_of_sight_alone() {
     let (chain, statics) = ur5e();
-    for kind in [POSITION, POSE] {
+    for kind in [ObservationKind::Position, ObservationKind::Pose] {
         // The same readings whoever simulates them.
         let told = Some(readings(&chain, 20, 3));
         let quiet =
@@ -60,7 +60,7 @@ fn what_is_read_moves_along_the_line_of_sight_alone() {
 
 #[test]
 fn an_eccentric_target_is_found_with_its_numbers() {
-    for (kind, seed) in [(POSITION, 7), (POSE, 8)] {
+    for (kind, seed) in [(ObservationKind::Position, 7), (ObservationKind::Pose, 8)] {
         let truth = [1.2e-4, -0.8e-4, 1.5e-4];
         let found = traced(kind, Carrier::Sight, &truth, seed);
         let names: Vec<_> = found.findings.iter().map(|one| (one.term.kind, one.term.carrier, one.named)).collect();
@@ -75,7 +75,7 @@ fn an_eccentric_target_is_found_with_its_numbers() {
 
 #[test]
 fn a_wrong_prism_constant_is_found() {
-    let found = traced(POSITION, Carrier::Range, &[4e-4], 9);
+    let found = traced(ObservationKind::Position, Carrier::Range, &[4e-4], 9);
     let names: Vec<_> = found.findings.iter().map(|one| (one.term.kind, one.term.carrier)).collect();
     assert_eq!(names, [(Kind::TargetIncidence, Carrier::Range)], "{:?}", found.findings);
     let value = &found.findings[0].values[0];
@@ -89,5 +89,5 @@ fn it_is_no_candidate_without_a_line_of_sight() {
         let data = with_run_order(simulate(&chain, &options(kind, 30, 1), &NoEffects).data);
         (Kind::TargetIncidence.entry().terms)(&Survey::of(&statics, &data, Vec::new())).len()
     };
-    assert_eq!([POSITION, POSE, DISTANCE].map(offered), [2, 2, 0]);
+    assert_eq!([ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].map(offered), [2, 2, 0]);
 }

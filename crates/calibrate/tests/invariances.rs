@@ -2,20 +2,20 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is a failure")]
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
-use denavit_calibrate::effects::survey::Survey;
-use denavit_calibrate::effects::{Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::identify::initial_guess::rigid_fit;
-use denavit_calibrate::identify::noise::{NoiseModel, noise_model};
-use denavit_calibrate::observation::kinds::{POSE, POSITION};
-use denavit_calibrate::observation::measurements::{Covariate, Covariates, RecordedRow, read, write};
-use denavit_calibrate::trace::infer::curves::{CurveOptions, fit_curves};
 use denavit_calibrate::{
     Arm, Freedom, IdentifyOptions, Layout, Measurements, NoEffects, ParameterKind, RowState, Tolerances, identify,
 };
+use denavit_identify::effects::survey::Survey;
+use denavit_identify::effects::{Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::initial_guess::rigid_fit;
+use denavit_identify::noise::{NoiseModel, noise_model};
+use denavit_identify::simulate::{SimulationOptions, readings, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Covariate, Covariates, RecordedRow, read, write};
 use denavit_model::examples::{self, puma_like};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, se3};
+use denavit_trace::infer::curves::{CurveOptions, fit_curves};
 use proptest::prelude::*;
 use std::collections::HashSet;
 
@@ -26,7 +26,7 @@ fn run(rows: usize, seed: u64) -> Measurements {
         values: (0..rows).map(|row| scale * (row as f64 * 0.7).sin()).collect(),
     };
     let covariates = vec![of("temperature", 25.0), of("payload", 1.5)];
-    let options = SimulationOptions { kind: POSITION, rows, seed, covariates, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows, seed, covariates, ..Default::default() };
     simulate(&puma_like(), &options, &NoEffects).data
 }
 
@@ -154,7 +154,7 @@ fn setups_that_are_joined_come_apart_again() {
 
 /// Layouts with everything free, and the arms that they are of.
 fn free(chain: &Chain) -> (Layout, Arm) {
-    let options = SimulationOptions { kind: POSE, rows: 5, targets: 1, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Pose, rows: 5, targets: 1, ..Default::default() };
     let arm = simulate(chain, &options, &NoEffects);
     let all = vec![true; chain.joints().len()];
     let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };
@@ -263,7 +263,7 @@ fn the_order_of_rows_changes_neither_fit_nor_curves() {
             coefficients: vec![4e-4, -3e-4],
         }],
     );
-    let options = SimulationOptions { kind: POSITION, rows: 90, seed: 2, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: 90, seed: 2, ..Default::default() };
     let data = simulate(&chain, &options, &gear).data;
     let order: Vec<usize> = (0..data.len()).rev().collect();
     let [one, other] = [data.clone(), data.subset(&order)].map(|data| {
@@ -277,7 +277,7 @@ fn the_order_of_rows_changes_neither_fit_nor_curves() {
     for (a, b) in difference.iter().zip(&turned) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
-    let curve = |found: &denavit_calibrate::trace::infer::curves::CurveFit| {
+    let curve = |found: &denavit_trace::infer::curves::CurveFit| {
         let curves = &found.fit.effects.curves;
         assert_eq!(curves.iter().map(|curve| curve.joint).collect::<Vec<_>>(), [1]);
         curves[0].clone()
@@ -299,7 +299,8 @@ fn the_order_of_rows_changes_neither_fit_nor_curves() {
 #[test]
 fn a_run_told_backwards_has_the_same_noise() {
     let chain = puma_like();
-    let options = SimulationOptions { kind: POSE, rows: 60, noise_range: 2e-4, seed: 4, ..Default::default() };
+    let options =
+        SimulationOptions { kind: ObservationKind::Pose, rows: 60, noise_range: 2e-4, seed: 4, ..Default::default() };
     let data = simulate(&chain, &options, &NoEffects).data;
     let backwards = data.subset(&(0..data.len()).rev().collect::<Vec<_>>());
     let [one, other] = [data, backwards].map(|data| {

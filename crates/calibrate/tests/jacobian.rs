@@ -1,13 +1,13 @@
 //! The closed-form residual Jacobian against central differences.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::observation::kinds::{DIAL, DISTANCE, GRAVITY, INCLINATION, PLANE, POSE, POSITION};
-use denavit_calibrate::observation::parameters::Sensitivity;
 use denavit_calibrate::{
     Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, Perturbed, ResidualModel, Row,
     Tolerances,
 };
+use denavit_identify::parameters::Sensitivity;
+use denavit_identify::residual::Scratch;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::{examples, se3};
 
@@ -65,7 +65,15 @@ impl Effects for Everything {
 fn columns_are_the_derivatives_of_the_residual() {
     let mut worst: f64 = 0.0;
     for chain in examples::all() {
-        for kind in [POSE, POSITION, DISTANCE, PLANE, DIAL, GRAVITY, INCLINATION] {
+        for kind in [
+            ObservationKind::Pose,
+            ObservationKind::Position,
+            ObservationKind::Distance,
+            ObservationKind::Plane,
+            ObservationKind::Dial,
+            ObservationKind::Gravity,
+            ObservationKind::Inclination,
+        ] {
             let options =
                 SimulationOptions { kind, rows: 4, targets: 2, turn: 0.02, shift: 0.02, ..Default::default() };
             let run = simulate(&chain, &options, &NoEffects);

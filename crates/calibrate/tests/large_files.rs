@@ -1,9 +1,9 @@
 //! Files that are read row by row, beside the same rows read as a whole.
 
 use denavit_calibrate::NoEffects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::observation::measurements::{Loaded, Measurements, Units, read, write};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Loaded, Measurements, Units, read, write};
 use denavit_model::{Chain, examples};
 use std::io::Read;
 
@@ -11,7 +11,7 @@ use std::io::Read;
 const ROWS: usize = 4000;
 
 fn text(chain: &Chain) -> String {
-    let options = SimulationOptions { kind: POSITION, rows: ROWS, ..SimulationOptions::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: ROWS, ..SimulationOptions::default() };
     let text = write(&simulate(chain, &options, &NoEffects).data, &[]);
     assert!(text.len() > 300_000, "{}", text.len());
     text

@@ -2,16 +2,15 @@
 
 use crate::drawn::drawn;
 use crate::measured::measured;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::observation::kinds::{POSE, POSITION};
-use denavit_calibrate::observation::measurements::{Covariate, Units, read};
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::loads::{UndeclaredLoads, undeclared_loads};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, ObservationKind, identify};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::{Covariate, Units, read};
 use denavit_model::{Chain, Reading};
+use denavit_trace::TraceOptions;
+use denavit_trace::loads::{UndeclaredLoads, undeclared_loads};
 
 /// Rows of a run.
 const ROWS: usize = 60;
@@ -52,7 +51,7 @@ fn loads_by_which_runs_differ_are_found() {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     let (mut squares, mut count) = (0.0, 0.0);
     for seed in 0..8 {
-        for (kind, loads) in [(POSITION, [0.0, 2.0, 5.0]), (POSE, [3.0, 0.0, 1.0])] {
+        for (kind, loads) in [(ObservationKind::Position, [0.0, 2.0, 5.0]), (ObservationKind::Pose, [3.0, 0.0, 1.0])] {
             let data = runs(&chain, &soft(&statics), kind, &loads, seed);
             let found = found(&chain, &statics, &data).unwrap_or_else(|| panic!("{kind:?} {seed}: none"));
             for (run, load) in found.runs.iter().zip(loads) {
@@ -79,10 +78,13 @@ fn runs_that_carry_alike_are_not_told_to_differ() {
     let rigid = EffectModel::new(statics.clone(), Vec::new());
     for seed in 0..8 {
         for effects in [&soft(&statics), &wavy, &rigid] {
-            assert_eq!(found(&chain, &statics, &runs(&chain, effects, POSITION, &[2.0, 2.0, 2.0], seed)), None);
+            assert_eq!(
+                found(&chain, &statics, &runs(&chain, effects, ObservationKind::Position, &[2.0, 2.0, 2.0], seed)),
+                None
+            );
         }
         // A rigid arm does not show what it carries.
-        assert_eq!(found(&chain, &statics, &runs(&chain, &rigid, POSITION, &[0.0, 3.0], seed)), None);
+        assert_eq!(found(&chain, &statics, &runs(&chain, &rigid, ObservationKind::Position, &[0.0, 3.0], seed)), None);
     }
 }
 
@@ -105,7 +107,7 @@ fn structure_of_a_real_robot_is_no_load() {
 #[test]
 fn a_calibration_uses_the_loads_and_says_so_first() {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
-    let data = runs(&chain, &soft(&statics), POSITION, &[0.0, 2.0, 5.0], 3);
+    let data = runs(&chain, &soft(&statics), ObservationKind::Position, &[0.0, 2.0, 5.0], 3);
     let geometry = CalibrateOptions::geometry(&chain);
     let options = CalibrateOptions {
         trace: Some(TraceOptions::new(geometry.identify.clone())),

@@ -1,15 +1,15 @@
 //! Masses that a description does not have.
 
 use crate::drawn::drawn;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
-use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::masses::{LinkMasses, link_masses};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
+use denavit_trace::TraceOptions;
+use denavit_trace::masses::{LinkMasses, link_masses};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -40,7 +40,8 @@ fn arm() -> (Chain, Statics, EffectModel) {
 }
 
 fn rows(chain: &Chain, effects: Option<&EffectModel>, seed: u64) -> Measurements {
-    let options = SimulationOptions { kind: POSITION, rows: 150, seed, ..SimulationOptions::default() };
+    let options =
+        SimulationOptions { kind: ObservationKind::Position, rows: 150, seed, ..SimulationOptions::default() };
     effects
         .map_or_else(|| simulate(chain, &options, &NoEffects).data, |effects| simulate(chain, &options, effects).data)
 }

@@ -3,15 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::measured::measured;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::identify::residual_statistics::lengths_found;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION, SOCKET};
-use denavit_calibrate::observation::measurements::{Measurements, Units, read, read_socket, write};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::residual::Scratch;
+use denavit_identify::residual_statistics::lengths_found;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Measurements, Units, read, read_socket, write};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, examples, urdf};
@@ -35,7 +35,7 @@ fn measured_as(arm: &Arm, kind: denavit_calibrate::ObservationKind, rows: usize,
 /// Largest error of the tip beside the truth over some readings, targets and frames aside, m.
 fn tip_error(found: &Arm, truth: &Arm) -> f64 {
     // Both measured in poses; the fitted robot must explain them with a frame and a target of its own.
-    let test = measured_as(truth, POSE, 60, 0.0);
+    let test = measured_as(truth, ObservationKind::Pose, 60, 0.0);
     let freedom = IdentifyOptions { freedom: Freedom::placement(found.joints.len()), ..options(&found.nominal) };
     let fit = identify(&found.chain(), &test, &freedom).nominal;
     fit.squares.iter().map(|square| square[0].sqrt()).fold(0.0, f64::max)
@@ -48,10 +48,16 @@ fn options(chain: &Chain) -> IdentifyOptions {
 #[test]
 fn poses_positions_and_distances_of_two_setups_are_one_fit() {
     let chain = examples::puma_like();
-    let truth = simulate(&chain, &SimulationOptions { kind: POSE, rows: 3, ..Default::default() }, &NoEffects).arm;
+    let truth =
+        simulate(&chain, &SimulationOptions { kind: ObservationKind::Pose, rows: 3, ..Default::default() }, &NoEffects)
+            .arm;
     for noise in [0.0, 5e-5] {
         let part = |kind, rows, name: &str| measured_as(&truth, kind, rows, noise).of_setup(name);
-        let parts = vec![part(POSE, 20, "july"), part(POSITION, 30, "october"), part(DISTANCE, 60, "wire")];
+        let parts = vec![
+            part(ObservationKind::Pose, 20, "july"),
+            part(ObservationKind::Position, 30, "october"),
+            part(ObservationKind::Distance, 60, "wire"),
+        ];
         let data = Measurements::joined(parts).unwrap();
         assert_eq!(data.scene.measured(), "pose+position+distance");
         assert_eq!((data.scene.setups.len(), data.scene.targets.len(), data.scene.points.len()), (3, 3, 1));
@@ -138,7 +144,7 @@ fn every_kind_and_every_setup_has_the_right_derivatives() {
 #[test]
 fn a_row_that_is_said_to_be_bad_counts_for_little() {
     let chain = examples::puma_like();
-    let options = SimulationOptions { kind: POSITION, rows: 120, ..Default::default() };
+    let options = SimulationOptions { kind: ObservationKind::Position, rows: 120, ..Default::default() };
     let run = simulate(&chain, &options, &NoEffects);
     let (mut plain, truth) = (run.data, run.arm);
     // Every third row is 20 times as noisy.
@@ -190,23 +196,21 @@ fn a_ball_in_sockets_calibrates_four_pandas_on_placements_that_no_fit_has_seen()
         ("panda_4", ["very-front", ""], 4.21, 0.26),
     ] {
         let Some(mut data) = sockets(&chain, arm) else { return };
-        assert!(data.scene.know_length(["*/0", "*/1"], 0.05, 5e-5) > 2 && data.scene.kinds() == [SOCKET]);
+        assert!(
+            data.scene.know_length(["*/0", "*/1"], 0.05, 5e-5) > 2 && data.scene.kinds() == [ObservationKind::Socket]
+        );
         let held: Vec<String> =
             held.iter().flat_map(|names| names.split(',')).filter(|name| !name.is_empty()).map(String::from).collect();
         let (train, test) = data.apart(&held).unwrap();
         let found = identify(&chain, &train, &options(&chain));
         let spread = |fit| {
-            let arm = denavit_calibrate::identify::residual_statistics::placed(fit, &train, &test).unwrap();
-            let all = denavit_calibrate::identify::residual_statistics::residuals(&arm, &NoEffects, &test);
+            let arm = denavit_identify::residual_statistics::placed(fit, &train, &test).unwrap();
+            let all = denavit_identify::residual_statistics::residuals(&arm, &NoEffects, &test);
             let off = lengths_found(&arm, &NoEffects, &test)
                 .iter()
                 .map(|length| (length.found_m - length.known_m).abs() * 1e3)
                 .fold(0.0, f64::max);
-            (
-                denavit_calibrate::identify::residual_statistics::errors(&all, &test.scene).of("spread").unwrap().rms
-                    * 1e3,
-                off,
-            )
+            (denavit_identify::residual_statistics::errors(&all, &test.scene).of("spread").unwrap().rms * 1e3, off)
         };
         let (before, (after, off)) = (spread(&found.nominal).0, spread(&found.geometric));
         println!("{arm}: spread held out {before:.3} -> {after:.3} mm, 50 mm off by up to {off:.3} mm");
@@ -234,7 +238,7 @@ fn sockets_without_a_known_distance_say_that_only_tolerances_hold_the_size() {
 fn sockets_and_a_known_distance_tell_the_whole_robot() {
     let chain = examples::puma_like();
     let part = |seed: u64, label: &str| {
-        let readings = denavit_calibrate::apply::simulate::readings(&chain, 40, seed);
+        let readings = denavit_identify::simulate::readings(&chain, 40, seed);
         let line = |row: &Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
         let text: String = readings.iter().map(line).collect();
         read_socket("s.csv", text.as_bytes(), label, &chain, Units::default()).unwrap()

@@ -1,16 +1,16 @@
 //! Rows as they come: none is blamed that fits, what is wrong is said at once, and the pose to measure next helps as promised.
 
 use denavit_calibrate::apply::plan::PlanOptions;
-use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, as_displayed, simulate, simulate_arm};
 use denavit_calibrate::calibration::monitor::{Monitor, MonitorOptions, RowStatus};
-use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE, POSITION};
 use denavit_calibrate::report::monitor::{json, knowledge, line};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, RowState};
+use denavit_identify::simulate::{Simulation, SimulationOptions, as_displayed, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
 use denavit_model::{Chain, examples, se3};
 
 fn monitor(chain: &Chain) -> Monitor {
-    let plan = PlanOptions { spread: 200, ..PlanOptions::new(chain, 1, POSITION) };
+    let plan = PlanOptions { spread: 200, ..PlanOptions::new(chain, 1, ObservationKind::Position) };
     Monitor::new(chain, MonitorOptions { identify: IdentifyOptions::axes(chain), plan }).unwrap()
 }
 
@@ -47,11 +47,11 @@ fn explained(status: &RowStatus) -> &[String] {
 #[test]
 fn rows_that_fit_are_not_blamed_and_are_as_far_off_as_is_said() {
     for chain in [examples::puma_like(), examples::scara_helical()] {
-        for kind in [POSITION, POSE, DISTANCE] {
+        for kind in [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance] {
             let (mut sum, mut count, mut alarms) = (0.0, 0.0, 0);
             for seed in 0..4 {
                 // One number a row: it takes more rows.
-                let rows = if kind == DISTANCE { 60 } else { 40 };
+                let rows = if kind == ObservationKind::Distance { 60 } else { 40 };
                 let statuses = watched(&chain, &run(&chain, kind, rows, seed).data);
                 alarms += statuses.iter().filter(|status| status.out_of_line.is_some()).count();
                 for off in statuses.iter().filter(|status| status.judged).flat_map(|status| &status.off) {
@@ -73,21 +73,21 @@ fn rows_that_fit_are_not_blamed_and_are_as_far_off_as_is_said() {
 #[test]
 fn a_row_that_is_logged_twice_is_counted_once() {
     let chain = examples::puma_like();
-    let data = run(&chain, POSITION, 40, 1).data;
+    let data = run(&chain, ObservationKind::Position, 40, 1).data;
     let rows: Vec<usize> = (0..40).flat_map(|row| if row < 30 { vec![row] } else { vec![row, row] }).collect();
     let (once, twice) = (watched(&chain, &data), watched(&chain, &data.subset(&rows)));
     let copies: Vec<usize> = twice.iter().filter(|status| status.copy).map(|status| status.row).collect();
     assert_eq!(copies, (0..10).map(|copy| 32 + 2 * copy).collect::<Vec<_>>());
     let noise = |statuses: &[RowStatus]| statuses.last().unwrap().noise[0].error;
     assert!((noise(&once) / noise(&twice) - 1.0).abs() < 1e-3, "{} {}", noise(&once), noise(&twice));
-    let units = denavit_calibrate::observation::measurements::Units::default();
+    let units = denavit_measurements::Units::default();
     assert!(line(&twice[31], &chain, units).contains("an exact copy of an earlier row, not counted again"));
 }
 
 #[test]
 fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
     let chain = examples::puma_like();
-    let Simulation { arm, mut data, .. } = run(&chain, POSITION, 30, 5);
+    let Simulation { arm, mut data, .. } = run(&chain, ObservationKind::Position, 30, 5);
     let mut state = RowState::default();
     for row in [20, 21] {
         arm.state_into(data.reading(row), 0, None, &mut state);
@@ -108,7 +108,7 @@ fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
 #[test]
 fn a_base_that_slips_is_told_from_other_mistakes() {
     let chain = examples::puma_like();
-    let Simulation { arm, mut data, .. } = run(&chain, POSITION, 30, 6);
+    let Simulation { arm, mut data, .. } = run(&chain, ObservationKind::Position, 30, 6);
     let slip = se3::exp(&Vector6::new(0.0, 0.0, 2e-3, 3e-3, 0.0, 0.0));
     for row in 24..30 {
         let instrument = arm.instruments[0];
@@ -128,7 +128,7 @@ fn a_base_that_slips_is_told_from_other_mistakes() {
 #[test]
 fn a_joint_that_stands_elsewhere_than_it_reads_is_named() {
     let chain = examples::puma_like();
-    let mut data = run(&chain, POSE, 30, 7).data;
+    let mut data = run(&chain, ObservationKind::Pose, 30, 7).data;
     let n = data.joints.len();
     data.readings[25 * n + 2] -= 0.01;
     let statuses = watched(&chain, &data);
@@ -140,7 +140,7 @@ fn a_joint_that_stands_elsewhere_than_it_reads_is_named() {
 #[test]
 fn a_reading_that_came_late_is_said_to_have() {
     let chain = examples::puma_like();
-    let mut data = run(&chain, POSITION, 25, 8).data;
+    let mut data = run(&chain, ObservationKind::Position, 25, 8).data;
     let before = data.observed.values(21).to_vec();
     data.observed.values_mut(22).copy_from_slice(&before);
     let statuses = watched(&chain, &data);
@@ -192,10 +192,10 @@ fn the_next_pose_helps_as_much_as_it_promises() {
 #[test]
 fn before_there_is_a_fit_it_says_what_is_missing() {
     let chain = examples::puma_like();
-    let statuses = watched(&chain, &run(&chain, POSITION, 12, 1).data);
+    let statuses = watched(&chain, &run(&chain, ObservationKind::Position, 12, 1).data);
     assert_eq!((statuses[0].missing_numbers, statuses[2].missing_numbers, statuses[3].missing_numbers), (7, 1, 0));
     assert!(statuses[..3].iter().all(|status| status.off.is_empty() && status.known.is_none()));
-    let units = denavit_calibrate::observation::measurements::Units::default();
+    let units = denavit_measurements::Units::default();
     let text: String = statuses.iter().map(|status| line(status, &chain, units)).collect();
     println!("{text}{}", knowledge(&statuses[11], &chain, units));
     assert!(text.starts_with("line 2: too few rows to place the instrument and the target\n"));
@@ -207,14 +207,14 @@ fn before_there_is_a_fit_it_says_what_is_missing() {
 #[test]
 fn a_joint_that_counts_from_another_zero_is_said_once_and_read_so() {
     let chain = examples::puma_like();
-    let right = run(&chain, POSITION, 45, 6);
+    let right = run(&chain, ObservationKind::Position, 45, 6);
     let (quarter, mut data) = (std::f64::consts::FRAC_PI_2, right.data.clone());
     let n = chain.coordinates().len();
     data.readings.iter_mut().skip(2).step_by(n).for_each(|reading| *reading -= quarter);
     let statuses = watched(&chain, &data);
     let said: Vec<&RowStatus> = statuses.iter().filter(|status| status.read_as.is_some()).collect();
     assert_eq!(said.iter().map(|status| status.row).collect::<Vec<_>>(), [20]);
-    let text = line(said[0], &chain, denavit_calibrate::observation::measurements::Units::default());
+    let text = line(said[0], &chain, denavit_measurements::Units::default());
     println!("{text}");
     let name = &chain.coordinates()[2].name;
     assert!(text.starts_with("ATTENTION") && text.contains(&format!("\"{name}\" counted from 90°")), "{text}");

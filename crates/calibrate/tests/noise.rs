@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "the study has a main of its own")]
 mod study;
 
-use denavit_calibrate::identify::noise::reml::{Factor, LEAST_LEVEL, Reml, RowBlock, Tied};
+use denavit_identify::noise::reml::{Factor, LEAST_LEVEL, Reml, RowBlock, Tied};
 use denavit_model::examples::puma_like;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::Deserialize;

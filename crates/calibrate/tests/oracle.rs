@@ -4,9 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::runs::{self, Run, Score};
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::identify::quantization;
 use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects};
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::quantization;
 use std::collections::BTreeMap;
 
 /// The runs whose case holds this word.

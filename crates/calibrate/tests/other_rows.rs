@@ -4,9 +4,9 @@
 
 use crate::drawn::ur5e;
 use crate::retold::{effect, named};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::effects::{Driver, EffectModel, Kind};
-use denavit_calibrate::observation::measurements::{Units, read, write};
+use denavit_identify::effects::{Driver, EffectModel, Kind};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::{Units, read, write};
 
 /// 1600 positions are judged by 800: here every other row.
 const ROWS: usize = 1600;

@@ -3,24 +3,24 @@
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
 use crate::curves::giving;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::effects::carrier::Carrier;
-use denavit_calibrate::effects::catalogue::Kind;
-use denavit_calibrate::effects::driver::{Driver, Statics};
-use denavit_calibrate::effects::model::{Coupling, Effect, EffectModel, Term};
-use denavit_calibrate::observation::kinds::{DISTANCE, POSITION};
 use denavit_calibrate::report::html::page;
-use denavit_calibrate::trace::infer::CurveOptions;
-use denavit_calibrate::trace::infer::named::Alternative;
-use denavit_calibrate::trace::{PartialResidual, Structure, TraceOptions};
 use denavit_calibrate::{IdentifyOptions, NoEffects};
+use denavit_identify::effects::carrier::Carrier;
+use denavit_identify::effects::catalogue::Kind;
+use denavit_identify::effects::driver::{Driver, Statics};
+use denavit_identify::effects::model::{Coupling, Effect, EffectModel, Term};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples::puma_like;
+use denavit_trace::infer::CurveOptions;
+use denavit_trace::infer::named::Alternative;
+use denavit_trace::{PartialResidual, Structure, TraceOptions};
 
 #[test]
 fn holds_every_plot_and_no_link() {
     let chain = puma_like();
-    for (kind, plots) in [(POSITION, 11), (DISTANCE, 9)] {
+    for (kind, plots) in [(ObservationKind::Position, 11), (ObservationKind::Distance, 9)] {
         let run = simulate(&chain, &SimulationOptions { kind, rows: 80, ..Default::default() }, &NoEffects);
         let options = CalibrateOptions::geometry(&chain);
         let result = calibrate(&chain, &Statics::of_chain(&chain), run.data, None, &options).unwrap();
@@ -45,7 +45,7 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
         coupling: Coupling::Each,
     };
     let hidden = EffectModel::new(statics.clone(), vec![Effect { term: wave, coefficients: vec![4e-4, 3e-4] }]);
-    let kind = POSITION;
+    let kind = ObservationKind::Position;
     let run = simulate(&chain, &SimulationOptions { kind, rows: 120, ..Default::default() }, &hidden);
     let identify = IdentifyOptions::axes(&chain);
     let trace = Some(TraceOptions::new(identify.clone()));

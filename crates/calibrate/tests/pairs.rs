@@ -4,14 +4,14 @@
 //! The terms are those of [`KINDS`] on runs that record everything, so that a new kind, carrier or driver is in the test as soon
 //! as it is in the catalogue.
 
-use denavit_calibrate::apply::simulate::columns::columns;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::effects::{EffectModel, KINDS, Kind, Statics, Term};
-use denavit_calibrate::observation::kinds::{DISTANCE, ObservationKind, POSE};
 use denavit_calibrate::{
     Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, Perturbation, ResidualModel, Row, Tolerances,
 };
+use denavit_identify::effects::survey::{Survey, with_run_order};
+use denavit_identify::effects::{EffectModel, KINDS, Kind, Statics, Term};
+use denavit_identify::simulate::columns::columns;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
 use denavit_model::nalgebra::Matrix;
 use denavit_model::tree::Reading;
@@ -143,7 +143,7 @@ fn every_pair_of_the_catalogue_moves_the_residual_as_its_closed_form_says() {
     let robots = ["universal_robots/ur5e.urdf", "kuka/kr16_2_on_rail.urdf", "denso/hsr065_screw_spline.urdf"];
     for (index, path) in robots.into_iter().enumerate() {
         let (chain, statics) = robot(path);
-        for kind in [POSE, DISTANCE] {
+        for kind in [ObservationKind::Pose, ObservationKind::Distance] {
             let (arm, data) = run(&chain, kind, index > 0);
             for statics in &statics {
                 let gears = vec![Some(50.0); chain.joints().len()];

@@ -2,17 +2,17 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::identify::residual_statistics::{errors, placed, residuals};
-use denavit_calibrate::observation::kinds::POSITION;
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_identify::residual_statistics::{errors, placed, residuals};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;
 use denavit_model::nalgebra::Vector3;
 
 #[test]
 fn a_target_is_placed_beside_the_fitted_ones_of_the_same_configuration() {
     let chain = examples::puma_like();
-    let kind = POSITION;
+    let kind = ObservationKind::Position;
     let mut run =
         simulate(&chain, &SimulationOptions { kind, rows: 300, targets: 3, ..Default::default() }, &NoEffects);
     // In its first row the arm hangs lower than any geometry says: by four times the noise, too little to be rejected.
@@ -30,7 +30,7 @@ fn a_target_is_placed_beside_the_fitted_ones_of_the_same_configuration() {
     test.scene.targets[0] = "other".into();
     let dimension = chain.coordinates().len();
     test.readings[..dimension].copy_from_slice(run.data.reading(0));
-    let here = denavit_calibrate::apply::simulate::true_target(&truth, test.reading(0), 0);
+    let here = denavit_identify::simulate::true_target(&truth, test.reading(0), 0);
     let seen = (truth.instruments[0] * here).translation.vector + sag;
     test.observed.values_mut(0).copy_from_slice(seen.as_slice());
     test.locate[0] = true;

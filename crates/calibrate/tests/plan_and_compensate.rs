@@ -5,17 +5,17 @@
 use denavit_calibrate::NoEffects;
 use denavit_calibrate::apply::compensate::{Wanted, compensate};
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::Units;
+use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_ik::Solver;
+use denavit_measurements::Units;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector6};
 use denavit_model::{Screw, examples, se3};
 
 #[test]
 fn chosen_poses_are_more_observable_and_stay_in_the_box() {
     for chain in &examples::all()[1..] {
-        for kind in [POSE, POSITION, DISTANCE] {
+        for kind in [ObservationKind::Pose, ObservationKind::Position, ObservationKind::Distance] {
             let options = PlanOptions { spread: 300, ..PlanOptions::new(chain, 20, kind) };
             let free = plan(chain, &options).unwrap();
             println!("{} {kind:?}\n{}", chain.name(), free.to_text());
@@ -24,7 +24,7 @@ fn chosen_poses_are_more_observable_and_stay_in_the_box() {
             assert_eq!(free.to_csv(chain, Units::default()).lines().filter(|line| !line.starts_with('#')).count(), 21);
         }
         let half = [Point3::new(0.0, -9.0, -9.0), Point3::new(9.0, 9.0, 9.0)];
-        let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, POSITION) };
+        let options = PlanOptions { allowed: Some(half), ..PlanOptions::new(chain, 12, ObservationKind::Position) };
         for pose in plan(chain, &options).unwrap().poses {
             assert!((chain.fk(&pose) * Point3::from(options.target)).x >= 0.0);
         }
@@ -81,7 +81,7 @@ fn a_robot_beyond_all_proportion_is_refused() {
             })
             .collect();
         let Ok(far) = chain.with_geometry(&screws, *chain.home()) else { continue };
-        let error = plan(&far, &PlanOptions::new(&far, 10, POSITION)).unwrap_err().to_string();
+        let error = plan(&far, &PlanOptions::new(&far, 10, ObservationKind::Position)).unwrap_err().to_string();
         assert!(error.contains("m from the base; no robot is that large"), "{error}");
         let readings = vec![vec![0.1; far.coordinates().len()]; 5];
         let freedom = denavit_calibrate::Freedom::axes(far.joints().len());

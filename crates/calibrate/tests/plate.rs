@@ -1,9 +1,9 @@
 //! Joint zeros from a printed plate of holes.
 
 use crate::touched::Touching;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Units, read, read_export};
 use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::{Units, read, read_export};
 use denavit_model::examples;
 
 #[test]

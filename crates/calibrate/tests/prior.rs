@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::posterior::{Earlier, EarlierError};
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::posterior::{Earlier, EarlierError};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_model::{Chain, examples};
 
 /// Positions of one robot measured on two days, 40 and then `later` of them, and 40 to judge by.

@@ -2,18 +2,18 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
-use denavit_calibrate::identify::carried::PartState;
-use denavit_calibrate::identify::posterior::{Earlier, EarlierError};
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
+use denavit_identify::carried::PartState;
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
+use denavit_identify::posterior::{Earlier, EarlierError};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_model::examples::puma_like;
 use denavit_model::nalgebra::Vector6;
 use denavit_model::{Chain, se3};
+use denavit_trace::infer::CurveOptions;
 
 fn statics() -> Statics {
     Statics::of_chain(&puma_like())

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::drawn::drawn;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::{IdentifyOptions, Layout, NoEffects, ResidualModel, identify};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, examples};
 
-const KINDS: [denavit_calibrate::ObservationKind; 3] = [POSE, POSITION, DISTANCE];
+const KINDS: [ObservationKind; 3] = [ObservationKind::Pose, ObservationKind::Position, ObservationKind::Distance];
 
 /// Root mean square and largest position (or distance) error of a fitted arm on unseen, noise-free data, m.
 fn unseen_error(
@@ -38,7 +38,7 @@ fn chains() -> Vec<Chain> {
 fn noise_free_data_are_recovered_on_unseen_poses() {
     for chain in chains() {
         for kind in KINDS {
-            if chain.name() == "planar_arm" && kind == DISTANCE {
+            if chain.name() == "planar_arm" && kind == ObservationKind::Distance {
                 continue; // Two nearly parallel axes: distances see most directions in second order alone.
             }
             for rows in [40, 400] {
@@ -75,7 +75,7 @@ fn an_arm_far_outside_its_tolerances_is_no_noisy_one() {
         let (mut wider, mut squares) = (0, 0.0);
         for seed in 0..10 {
             let options = SimulationOptions {
-                kind: POSITION,
+                kind: ObservationKind::Position,
                 rows: 18,
                 seed,
                 turn: 1e-3 * times,
@@ -85,7 +85,7 @@ fn an_arm_far_outside_its_tolerances_is_no_noisy_one() {
             let run = simulate(&chain, &options, &NoEffects);
             let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
             wider += usize::from(fit.layout.prior.widened > 1.0);
-            squares += unseen_error(&fit, &run.arm, POSITION).powi(2);
+            squares += unseen_error(&fit, &run.arm, ObservationKind::Position).powi(2);
         }
         let largest = (squares / 10.0_f64).sqrt();
         println!("{times} tolerances: {wider} of 10 wider, largest error {:.3} mm", 1e3 * largest);

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::drawn::ur5e;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_trace::TraceOptions;
 
 /// Positions of a robot without any effect, and 40 rows that no fit sees.
 fn clean(rows: usize, seed: u64) -> (Measurements, Measurements) {
@@ -63,9 +63,7 @@ fn intervals_hold_what_they_say_with_few_rows() {
         let run = simulate(&chain, &options, &NoEffects);
         let result = calibrate(&chain, &ur5e().1, run.data, None, &CalibrateOptions::geometry(&chain)).unwrap();
         let fit = &result.identification.geometric;
-        let truth = fit
-            .layout
-            .difference(&denavit_calibrate::observation::gauge::centred(&fit.layout, &run.arm, &fit.arm), &fit.arm);
+        let truth = fit.layout.difference(&denavit_identify::gauge::centred(&fit.layout, &run.arm, &fit.arm), &fit.arm);
         for (index, parameter) in result.report.parameters.iter().enumerate() {
             all += 1;
             inside += u32::from((parameter.change - truth[index]).abs() < parameter.half_interval_95);

@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::lack_of_fit::LackOfFit;
-use denavit_calibrate::observation::kinds::POSE;
 use denavit_calibrate::report::text;
 use denavit_calibrate::{Measurements, NoEffects};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::lack_of_fit::LackOfFit;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, examples};
 
 fn geometry(chain: &Chain, data: Measurements) -> Calibration {
@@ -19,7 +19,7 @@ fn geometry(chain: &Chain, data: Measurements) -> Calibration {
 /// `misfit`·sin 3q, which no geometry follows.
 fn run(seed: u64, misfit: f64) -> (Chain, Measurements) {
     let chain = examples::puma_like();
-    let options = SimulationOptions { kind: POSE, rows: 40, seed, ..SimulationOptions::default() };
+    let options = SimulationOptions { kind: ObservationKind::Pose, rows: 40, seed, ..SimulationOptions::default() };
     let once = simulate(&chain, &options, &NoEffects).data;
     let readings: Vec<Vec<f64>> = (0..120).map(|row| once.reading(row % 40).to_vec()).collect();
     let mut data =

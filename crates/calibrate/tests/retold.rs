@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use crate::drawn::ur5e;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::observation::measurements::{Measurements, Units, read, write};
-use denavit_calibrate::trace::{TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::{SimulationOptions, readings, simulate};
+use denavit_measurements::{Measurements, Units, read, write};
 use denavit_model::Chain;
+use denavit_trace::{TraceOptions, trace};
 
 pub fn effect(kind: Kind, joint: usize, driver: Driver, coefficient: f64) -> Effect {
     let term = Term { kind, carrier: Carrier::Joint(joint), driver, coupling: Coupling::Each };

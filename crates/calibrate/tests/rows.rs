@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
 use denavit_calibrate::NoEffects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::rows::{RowEntry, to_csv};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::report::html;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;
 
 fn calibrated(options: SimulationOptions) -> (Calibration, denavit_calibrate::Arm) {
@@ -26,7 +26,8 @@ fn rms(rows: impl Iterator<Item = RowEntry>) -> f64 {
 
 #[test]
 fn the_errors_are_those_of_the_rows() {
-    for (kind, targets) in [(POSE, 1), (POSITION, 2), (DISTANCE, 1)] {
+    for (kind, targets) in [(ObservationKind::Pose, 1), (ObservationKind::Position, 2), (ObservationKind::Distance, 1)]
+    {
         let (result, _) = calibrated(SimulationOptions { kind, targets, ..SimulationOptions::default() });
         let report = &result.report;
         let adopted = report.stages.iter().find(|stage| stage.adopted).unwrap();
@@ -41,7 +42,7 @@ fn the_errors_are_those_of_the_rows() {
         assert_eq!(rejected, report.samples.rejected);
         assert!(!rejected.is_empty(), "no gross error among these rows");
         assert_eq!(report.rows.len(), 120 * targets);
-        assert!(report.rows.iter().all(|row| row.turn.is_empty() == (kind != POSE)));
+        assert!(report.rows.iter().all(|row| row.turn.is_empty() == (kind != ObservationKind::Pose)));
     }
 }
 
@@ -54,7 +55,7 @@ fn a_fit_of_geometry_keeps_nothing_of_the_rows_order() {
 
 #[test]
 fn instruments_and_targets_are_where_the_simulation_put_them() {
-    let (result, truth) = calibrated(SimulationOptions { kind: POSE, ..SimulationOptions::default() });
+    let (result, truth) = calibrated(SimulationOptions { kind: ObservationKind::Pose, ..SimulationOptions::default() });
     let placements = result.report.placements.clone().unwrap();
     let (found, target) = (&placements.instruments[0], &placements.targets[0]);
     assert!(found.quaternion.is_some() && target.quaternion.is_some() && placements.points.is_empty());
@@ -66,7 +67,7 @@ fn instruments_and_targets_are_where_the_simulation_put_them() {
 
 #[test]
 fn rows_go_to_csv_and_the_page_lists_the_worst() {
-    let (result, _) = calibrated(SimulationOptions { kind: POSE, ..SimulationOptions::default() });
+    let (result, _) = calibrated(SimulationOptions { kind: ObservationKind::Pose, ..SimulationOptions::default() });
     let text = to_csv(&result.report.rows);
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = "line,setup,target,held_out,rejected,dx_mm,dy_mm,dz_mm,rx_mrad,ry_mrad,rz_mrad";

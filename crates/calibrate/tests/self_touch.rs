@@ -1,8 +1,8 @@
 //! Two hands of one robot that touch each other.
 
 use crate::hands::{Grips, TWO_ARMS, Touches, both, covered, errors, grip_errors};
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Units, read, read_export};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::{Units, read, read_export};
 use std::sync::Arc;
 
 #[test]

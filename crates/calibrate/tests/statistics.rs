@@ -2,10 +2,10 @@
 
 #![allow(clippy::print_stdout)] // What is printed is read.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-use denavit_calibrate::observation::gauge;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
 use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_identify::gauge;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;
 
 #[test]
@@ -14,7 +14,7 @@ fn intervals_cover_and_chi_squared_is_its_degrees_of_freedom() {
     let (mut inside, mut count, mut chi) = (0.0, 0.0, 0.0);
     let runs = 40;
     for seed in 0..runs {
-        let options = SimulationOptions { kind: POSE, rows: 60, seed, ..Default::default() };
+        let options = SimulationOptions { kind: ObservationKind::Pose, rows: 60, seed, ..Default::default() };
         let run = simulate(&chain, &options, &NoEffects);
         let found = identify(&chain, &run.data, &IdentifyOptions::axes(&chain));
         let fit = found.geometric;
@@ -35,7 +35,7 @@ fn intervals_cover_and_chi_squared_is_its_degrees_of_freedom() {
 
 #[test]
 fn gross_outliers_are_listed_and_leave_the_noise_level_alone() {
-    for kind in [POSE, POSITION, DISTANCE] {
+    for kind in [ObservationKind::Pose, ObservationKind::Position, ObservationKind::Distance] {
         for chain in &examples::all()[1..] {
             let clean = SimulationOptions { kind, rows: 300, seed: 5, ..Default::default() };
             let noise = |options: &SimulationOptions| {
@@ -55,7 +55,9 @@ fn gross_outliers_are_listed_and_leave_the_noise_level_alone() {
 #[test]
 fn parallel_axes_converge_in_six_iterations() {
     for chain in [examples::puma_like(), examples::scara_helical()] {
-        for (kind, noise) in [(POSE, 5e-5), (POSITION, 5e-5), (POSE, 0.0)] {
+        for (kind, noise) in
+            [(ObservationKind::Pose, 5e-5), (ObservationKind::Position, 5e-5), (ObservationKind::Pose, 0.0)]
+        {
             let options = SimulationOptions {
                 kind,
                 rows: 100,
@@ -76,7 +78,7 @@ fn parallel_axes_converge_in_six_iterations() {
 fn little_is_held_by_the_prior_where_poses_tell_it() {
     // Moving along the SCARA's parallel axes changes none of them: one of the frame's six conditions says nothing.
     for chain in [examples::puma_like(), examples::scara_helical()] {
-        let options = SimulationOptions { kind: POSE, rows: 40, ..Default::default() };
+        let options = SimulationOptions { kind: ObservationKind::Pose, rows: 40, ..Default::default() };
         let run = simulate(&chain, &options, &NoEffects);
         let fit = identify(&chain, &run.data, &IdentifyOptions::axes(&chain)).geometric;
         let held: Vec<f64> = fit.layout.joints.clone().map(|k| fit.held_by_prior(k)).collect();

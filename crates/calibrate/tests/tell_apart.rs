@@ -7,16 +7,16 @@ mod study;
 use crate::drawn::ur5e;
 use denavit_calibrate::apply::plan::tell_apart::TellApart;
 use denavit_calibrate::apply::plan::{PlanError, PlanOptions};
-use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::effects::survey::{with_run_order, with_run_order_after};
-use denavit_calibrate::observation::kinds::{ObservationKind, PLANE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::Measurements;
-use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{NoEffects, Scene};
+use denavit_identify::effects::Statics;
+use denavit_identify::effects::survey::{with_run_order, with_run_order_after};
+use denavit_identify::simulate::effect_specification::specified_effects;
+use denavit_identify::simulate::{SimulationOptions, readings, simulate};
+use denavit_measurements::Measurements;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
+use denavit_trace::TraceOptions;
 
 /// A run with these effects, calibrated.
 fn calibrated(kind: ObservationKind, rows: usize, seed: u64, effects: &[&str]) -> (Calibration, Chain, Statics) {
@@ -55,7 +55,7 @@ fn poses_from_the_whole_range_name_what_a_part_of_it_left_open() {
 
 #[test]
 fn where_nothing_is_open_poses_are_for_the_prediction() {
-    for kind in [POSITION, POSE] {
+    for kind in [ObservationKind::Position, ObservationKind::Pose] {
         let (found, chain, statics) = calibrated(kind, 40, 3, &[]);
         assert!(found.report.prospect.is_none());
         let options = PlanOptions { spread: 200, ..PlanOptions::new(&chain, 8, kind) };
@@ -75,7 +75,7 @@ fn where_nothing_is_open_poses_are_for_the_prediction() {
 
 #[test]
 fn the_report_speaks_of_it_where_something_is_open() {
-    let (found, _, _) = calibrated(POSITION, 60, 6, &["joint_compliance@elbow_joint=0.05mm"]);
+    let (found, _, _) = calibrated(ObservationKind::Position, 60, 6, &["joint_compliance@elbow_joint=0.05mm"]);
     let text = denavit_calibrate::report::text::report(&found);
     assert_eq!(found.report.one_of.is_empty(), found.report.prospect.is_none(), "{text}");
     assert_eq!(text.contains("The error that remains unsure is"), found.report.prospect.is_some(), "{text}");
@@ -86,11 +86,15 @@ fn the_report_speaks_of_it_where_something_is_open() {
 
 #[test]
 fn the_order_of_the_poses_makes_the_sides_that_were_chosen() {
-    let (found, chain, statics) = calibrated(POSITION, 60, 3, &["backlash@elbow_joint=0.035mm"]);
-    let planned = planned(&found, &statics, &PlanOptions { spread: 300, ..PlanOptions::new(&chain, 12, POSITION) });
+    let (found, chain, statics) = calibrated(ObservationKind::Position, 60, 3, &["backlash@elbow_joint=0.035mm"]);
+    let planned = planned(
+        &found,
+        &statics,
+        &PlanOptions { spread: 300, ..PlanOptions::new(&chain, 12, ObservationKind::Position) },
+    );
     let [approach] = &planned.approach[..] else { panic!("{:?}", planned.prospect.possible) };
     assert!(approach.by_order && approach.joint == "elbow_joint");
-    let mut next = Measurements::empty("next", found.train.joints.clone(), Scene::of(POSITION, 1));
+    let mut next = Measurements::empty("next", found.train.joints.clone(), Scene::of(ObservationKind::Position, 1));
     for (line, pose) in planned.poses.iter().enumerate() {
         next.observed.push(0, &[0.0; 3]);
         next.end_row(pose, line + 1, false);
@@ -104,17 +108,22 @@ fn the_order_of_the_poses_makes_the_sides_that_were_chosen() {
 
 #[test]
 fn what_cannot_be_chosen_is_refused() {
-    let (found, chain, statics) = calibrated(POSITION, 40, 3, &[]);
-    let few = PlanOptions { candidates: Some(readings(&chain, 3, 1)), ..PlanOptions::new(&chain, 5, POSITION) };
+    let (found, chain, statics) = calibrated(ObservationKind::Position, 40, 3, &[]);
+    let few = PlanOptions {
+        candidates: Some(readings(&chain, 3, 1)),
+        ..PlanOptions::new(&chain, 5, ObservationKind::Position)
+    };
     let error = found.tell_apart(&statics, &few, true).unwrap_err();
     assert!(matches!(error, PlanError::TooFewCandidates { wanted: 5, left: 3, .. }), "{error}");
-    let short = PlanOptions { candidates: Some(vec![vec![0.0]]), ..PlanOptions::new(&chain, 1, POSITION) };
+    let short =
+        PlanOptions { candidates: Some(vec![vec![0.0]]), ..PlanOptions::new(&chain, 1, ObservationKind::Position) };
     assert!(matches!(found.tell_apart(&statics, &short, true), Err(PlanError::Length { .. })));
     let puma = denavit_model::examples::puma_like();
-    let options = SimulationOptions { kind: PLANE, rows: 300, noise_position: 1e-5, ..Default::default() };
+    let options =
+        SimulationOptions { kind: ObservationKind::Plane, rows: 300, noise_position: 1e-5, ..Default::default() };
     let data = simulate(&puma, &options, &NoEffects).data;
     let (statics, asked) = (Statics::of_chain(&puma), CalibrateOptions::geometry(&puma));
     let found = calibrate(&puma, &statics, data, None, &asked).unwrap();
-    let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, POSITION), true).unwrap_err();
+    let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, ObservationKind::Position), true).unwrap_err();
     assert!(matches!(error, PlanError::InContact(_)), "{error}");
 }

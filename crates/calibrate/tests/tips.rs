@@ -3,37 +3,35 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::hands::{TWO_ARMS, both};
-use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::effects::{Conditions, Effect, EffectModel, KINDS, SavedEffects, Statics};
-use denavit_calibrate::identify::identifiability::identifiability;
-use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::observation::arm::{Perturbation, RowState};
-use denavit_calibrate::observation::gauge;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{
-    Measurements, MissingColumn, RecordedRow, Units, read, read_export, write,
-};
-use denavit_calibrate::observation::parameters::Effects as _;
-use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_identify::arm::{Perturbation, RowState};
+use denavit_identify::effects::survey::{Survey, with_run_order};
+use denavit_identify::effects::{Conditions, Effect, EffectModel, KINDS, SavedEffects, Statics};
+use denavit_identify::gauge;
+use denavit_identify::identifiability::identifiability;
+use denavit_identify::parameters::Effects as _;
+use denavit_identify::residual::Scratch;
+use denavit_identify::simulate::effect_specification::{EffectSpecification, specified_effects};
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Measurements, MissingColumn, RecordedRow, Units, read, read_export, write};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, PlacedRobot, Reading, Tips, se3, urdf};
+use denavit_trace::TraceOptions;
 use std::sync::Arc;
 
 const BAXTER: &str = include_str!("../../../robots/rethink/baxter.urdf");
 
 fn options(tips: &Arc<Tips>, rows: usize, seed: u64) -> SimulationOptions {
-    SimulationOptions { kind: POSE, rows, seed, tips: Some(tips.clone()), ..Default::default() }
+    SimulationOptions { kind: ObservationKind::Pose, rows, seed, tips: Some(tips.clone()), ..Default::default() }
 }
 
 #[test]
 fn derivatives_are_differences_and_joints_of_the_other_arm_have_none() {
     let (chain, tips, _) = both(TWO_ARMS);
-    for kind in [POSE, POSITION, DISTANCE] {
+    for kind in [ObservationKind::Pose, ObservationKind::Position, ObservationKind::Distance] {
         let run = simulate(&chain, &SimulationOptions { kind, targets: 2, ..options(&tips, 6, 3) }, &NoEffects);
         let all = vec![true; chain.joints().len()];
         let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };
@@ -76,7 +74,7 @@ fn derivatives_are_differences_and_joints_of_the_other_arm_have_none() {
 #[test]
 fn simd_rows_sum_what_rows_sum_however_the_rows_are_mixed() {
     let (chain, tips, _) = both(TWO_ARMS);
-    for kind in [POSE, POSITION] {
+    for kind in [ObservationKind::Pose, ObservationKind::Position] {
         let run = simulate(&chain, &SimulationOptions { kind, ..options(&tips, 61, 5) }, &NoEffects);
         let mut order: Vec<usize> = (0..run.data.len()).collect();
         order.sort_by_key(|&row| run.data.tip_of(row));
@@ -113,7 +111,7 @@ fn simd_rows_sum_what_rows_sum_however_the_rows_are_mixed() {
 fn noise_free_rows_of_both_arms_give_the_robot_back() {
     for text in [TWO_ARMS, BAXTER] {
         let (chain, tips, _) = both(text);
-        for kind in [POSE, POSITION] {
+        for kind in [ObservationKind::Pose, ObservationKind::Position] {
             let still =
                 SimulationOptions { kind, noise_position: 0.0, noise_orientation: 0.0, ..options(&tips, 120, 7) };
             let run = simulate(&chain, &still, &NoEffects);
@@ -475,7 +473,7 @@ fn compliance_of_one_arm_is_found_at_its_joint() {
 /// Two arms with compliances in torso and shoulder, the same postures seen by both hands: rows to fit and to judge by.
 fn soft_arms(rows: usize) -> (Chain, Statics, Measurements, Measurements) {
     let (chain, tips, statics) = weighed(TWO_ARMS);
-    let asked = SimulationOptions { kind: POSITION, ..options(&tips, rows + 200, 17) };
+    let asked = SimulationOptions { kind: ObservationKind::Position, ..options(&tips, rows + 200, 17) };
     let bare = simulate(&chain, &asked, &NoEffects);
     let soft = [
         "axis_wobble@torso_turn=0.3mm",

@@ -7,16 +7,16 @@
 
 use crate::drawn::drawn;
 use crate::measured::measured;
-use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::survey::with_run_order;
-use denavit_calibrate::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::observation::measurements::{Units, read};
-use denavit_calibrate::trace::{Trace, TraceOptions, trace};
 use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::simulate::effect_specification::specified_effects;
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Units, read};
 use denavit_model::Chain;
+use denavit_trace::{Trace, TraceOptions, trace};
 
 fn traced(effects: Vec<Effect>, seed: u64) -> Trace {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
@@ -119,7 +119,8 @@ fn pitch_and_coupling_are_separated() {
 fn a_base_that_was_pushed_twice_is_found_to_the_row() {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     for seed in [0, 5] {
-        let options = SimulationOptions { kind: POSITION, rows: 250, targets: 3, seed, ..Default::default() };
+        let options =
+            SimulationOptions { kind: ObservationKind::Position, rows: 250, targets: 3, seed, ..Default::default() };
         let bare = simulate(&chain, &options, &NoEffects);
         let pushes = ["drift@base:step=139=3mm", "drift@base:step=219=3mm"].map(|text| text.parse().unwrap());
         let model = specified_effects(&pushes, &statics, &bare, seed).unwrap();

@@ -3,17 +3,17 @@
 use crate::drawn::ur5e;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::apply::plan::PlanOptions;
-use denavit_calibrate::apply::simulate::effect_specification::specified_effects;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::survey::{Survey, with_run_order, with_run_order_after};
-use denavit_calibrate::effects::{Carrier, Conditions, Driver, Effect, EffectModel, Kind, SavedEffects, Statics};
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::observation::measurements::poses::Poses;
-use denavit_calibrate::observation::measurements::{Covariate, Covariates};
-use denavit_calibrate::trace::TraceOptions;
 use denavit_calibrate::{Measurements, NoEffects};
+use denavit_identify::effects::survey::{Survey, with_run_order, with_run_order_after};
+use denavit_identify::effects::{Carrier, Conditions, Driver, Effect, EffectModel, Kind, SavedEffects, Statics};
+use denavit_identify::simulate::effect_specification::specified_effects;
+use denavit_identify::simulate::{SimulationOptions, readings, simulate};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::poses::Poses;
+use denavit_measurements::{Covariate, Covariates};
 use denavit_model::Chain;
+use denavit_trace::TraceOptions;
 
 const ROWS: usize = 200;
 
@@ -26,7 +26,7 @@ fn by_turns(chain: &Chain, rows: usize, seed: u64) -> SimulationOptions {
             *value *= if works { 0.45 } else { 0.12 };
         }
     }
-    SimulationOptions { kind: POSITION, rows, seed, readings: Some(all), ..Default::default() }
+    SimulationOptions { kind: ObservationKind::Position, rows, seed, readings: Some(all), ..Default::default() }
 }
 
 fn with_effect(text: &str, options: &SimulationOptions) -> (Measurements, EffectModel, Chain, Statics) {
@@ -55,7 +55,7 @@ fn a_joint_that_warms_with_its_work_is_no_drift() {
     assert!((value.value - acts.coefficients[0]).abs() < 4.0 * value.std.unwrap(), "{value:?} {acts:?}");
     assert_eq!(value.unit, "rad/(rad/row)");
     // What it leaves to be told apart, plans can deal with.
-    let plan = PlanOptions { spread: 200, ..PlanOptions::new(&chain, 6, POSITION) };
+    let plan = PlanOptions { spread: 200, ..PlanOptions::new(&chain, 6, ObservationKind::Position) };
     assert_eq!(found.tell_apart(&statics, &plan, true).unwrap().poses.len(), 6);
 }
 
@@ -151,7 +151,7 @@ fn commands_in_order_keep_the_warmth_of_those_before() {
         .into_iter()
         .map(|effect| {
             let driver = Driver::Covariate("elbow_joint.warmth over 240 s".to_owned());
-            Effect { term: denavit_calibrate::effects::Term { driver, ..effect.term }, ..effect }
+            Effect { term: denavit_identify::effects::Term { driver, ..effect.term }, ..effect }
         })
         .collect();
     let missing = in_order(&chain, &chain, &by_clock, &poses, &[], allowed).unwrap_err();

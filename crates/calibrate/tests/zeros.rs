@@ -1,12 +1,11 @@
 //! Zeros of joints and nothing else, from what was measured.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::observation::kinds::{DISTANCE, POSE, POSITION};
-use denavit_calibrate::observation::parameters::ParameterKind;
 use denavit_calibrate::report::text;
 use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects, ObservationKind, identify};
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::ParameterKind;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_model::{Chain, examples};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,7 +43,7 @@ fn drawn(chain: &Chain, random: &mut ChaCha8Rng) -> Vec<f64> {
 #[test]
 fn zeros_are_found_as_well_as_can_be() {
     let chain = examples::puma_like();
-    for kind in [POSITION, POSE, DISTANCE] {
+    for kind in [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance] {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let (mut squares, mut inside, mut count) = (0.0, 0.0, 0.0);
         for seed in 0..60 {
@@ -74,7 +73,7 @@ fn zeros_are_found_as_well_as_can_be() {
 #[test]
 fn the_first_and_the_last_zero_hide_behind_instrument_and_target() {
     let chain = examples::puma_like();
-    let (_, data) = measured(&chain, POSE, &[0.05, -0.04, 0.03, 0.05, -0.06, 0.02], 3);
+    let (_, data) = measured(&chain, ObservationKind::Pose, &[0.05, -0.04, 0.03, 0.05, -0.06, 0.02], 3);
     let options = CalibrateOptions { identify: all(&chain), ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
     let told: Vec<bool> =
@@ -95,7 +94,7 @@ fn the_first_and_the_last_zero_hide_behind_instrument_and_target() {
 fn a_zero_of_a_quarter_turn_is_found_too() {
     let chain = examples::puma_like();
     let quarter = std::f64::consts::FRAC_PI_2;
-    let (_, data) = measured(&chain, POSITION, &[0.0, 0.02, quarter, 0.0, 0.01, 0.0], 5);
+    let (_, data) = measured(&chain, ObservationKind::Position, &[0.0, 0.02, quarter, 0.0, 0.01, 0.0], 5);
     let options = CalibrateOptions { identify: all(&chain), ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
     let zero = result.report.zeros().find(|zero| zero.joint == "joint_3").unwrap();
@@ -106,7 +105,7 @@ fn a_zero_of_a_quarter_turn_is_found_too() {
 fn a_calibration_says_when_it_found_zeros_and_little_else() {
     let chain = examples::puma_like();
     let zeros = [0.0, 0.03, -0.04, 0.02, 0.05, 0.0];
-    let (_, data) = measured(&chain, POSITION, &zeros, 11);
+    let (_, data) = measured(&chain, ObservationKind::Position, &zeros, 11);
     let of =
         |data| calibrate(&chain, &Statics::of_chain(&chain), data, None, &CalibrateOptions::geometry(&chain)).unwrap();
     let result = of(data);
@@ -124,7 +123,7 @@ fn only_the_named_zeros_move() {
     let chain = examples::puma_like();
     let mut which = vec![false; 6];
     (which[1], which[2]) = (true, true);
-    let (_, data) = measured(&chain, POSITION, &[0.0, 0.03, -0.04, 0.0, 0.0, 0.0], 13);
+    let (_, data) = measured(&chain, ObservationKind::Position, &[0.0, 0.03, -0.04, 0.0, 0.0, 0.0], 13);
     let fit = identify(&chain, &data, &IdentifyOptions::zeros(&chain, which)).geometric;
     let names: Vec<&str> = fit.layout.parameters[fit.layout.joints.clone()].iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["joint_2.zero", "joint_3.zero"]);

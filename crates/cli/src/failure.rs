@@ -41,7 +41,7 @@ pub enum Failure {
     /// Measurements that cannot be read.
     #[cfg(feature = "calibrate")]
     #[error(transparent)]
-    Data(#[from] denavit_calibrate::observation::measurements::DataError),
+    Data(#[from] denavit_measurements::DataError),
     /// A bag that makes no rows.
     #[cfg(feature = "bags")]
     #[error(transparent)]
@@ -53,11 +53,11 @@ pub enum Failure {
     /// A chain of more joints than can be identified.
     #[cfg(feature = "calibrate")]
     #[error(transparent)]
-    TooManyJoints(#[from] denavit_calibrate::identify::proportion::TooManyJoints),
+    TooManyJoints(#[from] denavit_identify::proportion::TooManyJoints),
     /// Effects that cannot be read.
     #[cfg(feature = "calibrate")]
     #[error(transparent)]
-    Effects(#[from] denavit_calibrate::effects::saved::SavedError),
+    Effects(#[from] denavit_identify::effects::saved::SavedError),
     /// A fleet that cannot be run, or has no store.
     #[cfg(feature = "fleet")]
     #[error(transparent)]

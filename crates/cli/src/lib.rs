@@ -1,7 +1,7 @@
 //! Robot models from descriptions: screw axes, Denavit-Hartenberg tables, inverse kinematics, comparison, export and calibration.
 //!
 //! This crate re-exports the everyday path of its parts, which are `denavit-model`, `denavit-dh` and so on; its modules are those
-//! crates in whole; the modules of `calibrate` are what its feature `unstable` opens, and change without notice. With `default-features = false` it
+//! crates in whole; the modules of `calibrate` change without notice, the names at its root do not. With `default-features = false` it
 //! leaves out calibration and inverse kinematics (`Solver`). The program of the same name is in this package.
 //!
 //! # Quick start

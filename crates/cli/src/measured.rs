@@ -8,16 +8,13 @@ use crate::failure::Failure;
 use crate::output;
 use crate::source::{self, Loaded};
 use denavit_calibrate::ObservationKind;
-use denavit_calibrate::effects::SavedEffects;
-use denavit_calibrate::effects::driver::Statics;
-use denavit_calibrate::identify::posterior::Earlier;
-use denavit_calibrate::observation::board::Sight;
-use denavit_calibrate::observation::kinds::{
-    DIAL, DISTANCE, GRAVITY, GRIP, INCLINATION, PLANE, POSE, POSITION, SOCKET,
-};
-use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
-use denavit_calibrate::observation::measurements::{Units, poses, poses::Poses};
+use denavit_identify::effects::SavedEffects;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::posterior::Earlier;
 use denavit_load::measured::{self as load, Content, DataFile, HashedFile, moving};
+use denavit_measurements::board::Sight;
+use denavit_measurements::import::{self, EulerOrder, ImportOptions, Map};
+use denavit_measurements::{Units, poses, poses::Poses};
 use denavit_model::{Chain, Tips};
 use std::path::Path;
 use std::sync::Arc;
@@ -222,14 +219,14 @@ pub fn millimetres_and_milliradians(option: &str, written: &[f64], otherwise: f6
 /// The kind that a word on the command line means.
 pub fn kind(measure: MeasureName) -> ObservationKind {
     match measure {
-        MeasureName::Poses => POSE,
-        MeasureName::Positions => POSITION,
-        MeasureName::Distances => DISTANCE,
-        MeasureName::Planes => PLANE,
-        MeasureName::Dial => DIAL,
-        MeasureName::Gravity => GRAVITY,
-        MeasureName::Inclination => INCLINATION,
-        MeasureName::Contacts => SOCKET,
-        MeasureName::Grips => GRIP,
+        MeasureName::Poses => ObservationKind::Pose,
+        MeasureName::Positions => ObservationKind::Position,
+        MeasureName::Distances => ObservationKind::Distance,
+        MeasureName::Planes => ObservationKind::Plane,
+        MeasureName::Dial => ObservationKind::Dial,
+        MeasureName::Gravity => ObservationKind::Gravity,
+        MeasureName::Inclination => ObservationKind::Inclination,
+        MeasureName::Contacts => ObservationKind::Socket,
+        MeasureName::Grips => ObservationKind::Grip,
     }
 }

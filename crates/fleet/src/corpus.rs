@@ -8,7 +8,7 @@ pub use files::{CorpusFile, Findings, robots_in};
 pub use history::{Became, GitChange, changes};
 
 use crate::error::FleetError;
-use denavit_calibrate::identify::threads::par_map;
+use denavit_linear::threads::par_map;
 use serde::Serialize;
 
 /// How a corpus is looked at.

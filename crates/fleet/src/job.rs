@@ -11,8 +11,8 @@ use crate::siblings::Priors;
 use crate::store::table::Rows;
 use crate::store::{LockedStore, Runs};
 use crate::tasks;
-use denavit_calibrate::identify::stop::Stop;
-use denavit_calibrate::identify::threads::par_map;
+use denavit_linear::stop::Stop;
+use denavit_linear::threads::par_map;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 

@@ -6,7 +6,7 @@ use crate::key::{Robots, key};
 use crate::manifest::Entry;
 use crate::siblings::Priors;
 use crate::store::{LockedStore, Runs, Slot, Store};
-use denavit_calibrate::identify::stop::Stop;
+use denavit_linear::stop::Stop;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::ops::ControlFlow;

@@ -8,8 +8,8 @@ mod table;
 use crate::manifest::{Entry, Task};
 use crate::store::schema::{AXES, COMMON, CURVES, EFFECTS, INFORMATION, NOTES, PARAMETERS, RESIDUALS, RUNS, TableKind};
 use crate::store::table::{Cell, Rows};
-use denavit_calibrate::identify::stop::Stop;
-use denavit_calibrate::identify::threads::on_this_thread;
+use denavit_linear::stop::Stop;
+use denavit_linear::threads::on_this_thread;
 use denavit_load::{LoadError, Loaded, Options, Selection};
 use denavit_model::Reading;
 use denavit_model::settings::plain;
@@ -23,7 +23,7 @@ pub(crate) enum TaskError {
     #[error(transparent)]
     Measured(#[from] denavit_load::measured::MeasuredError),
     #[error(transparent)]
-    TooManyJoints(#[from] denavit_calibrate::identify::proportion::TooManyJoints),
+    TooManyJoints(#[from] denavit_identify::proportion::TooManyJoints),
     #[error(transparent)]
     Calibrate(#[from] denavit_calibrate::calibration::CalibrateError),
     #[error(transparent)]

@@ -19,9 +19,9 @@ pub use search::{SearchAsked, earlier, freedom, other_chains, search};
 pub use tip::{all_known, taken_at_averages, with_given, without_part_in_the_tip};
 pub use within::{corners, moving};
 
-use denavit_calibrate::identify::posterior::EarlierError;
-use denavit_calibrate::identify::proportion::OutOfProportion;
-use denavit_calibrate::observation::measurements::DataError;
+use denavit_identify::posterior::EarlierError;
+use denavit_identify::proportion::OutOfProportion;
+use denavit_measurements::DataError;
 use thiserror::Error;
 
 /// Why words or files make no rows and no options.

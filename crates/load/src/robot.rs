@@ -1,10 +1,10 @@
 //! A robot as its source gives it, and the chains that it has.
 
 use crate::LoadError;
-#[cfg(feature = "calibrate")]
-use denavit_calibrate::effects::driver::Statics;
 use denavit_compare::Subject;
 use denavit_dh::{Convention, Table};
+#[cfg(feature = "calibrate")]
+use denavit_identify::effects::driver::Statics;
 #[cfg(feature = "calibrate")]
 use denavit_model::PlacedRobot;
 use denavit_model::notes::{Note, Noted};

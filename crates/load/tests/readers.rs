@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
-use denavit_calibrate::observation::measurements::import::{self, EulerOrder, ImportOptions, Map};
-use denavit_calibrate::observation::measurements::{Measurements, Units, poses, read, read_export, read_socket};
+use denavit_measurements::import::{self, EulerOrder, ImportOptions, Map};
+use denavit_measurements::{Measurements, Units, poses, read, read_export, read_socket};
 use denavit_model::{Chain, Outcome, examples};
 use seeded::{Random, mutated};
 use std::time::{Duration, Instant};

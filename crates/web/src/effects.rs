@@ -2,13 +2,14 @@
 
 use crate::answers::words;
 use crate::question::RobotText;
-use denavit_calibrate::apply::simulate::effect_specification::{EffectSpecification, specified_effects};
-use denavit_calibrate::apply::simulate::{Simulation, SimulationOptions, simulate};
-use denavit_calibrate::effects::catalogue::KINDS;
-use denavit_calibrate::effects::driver::{Conditions, Statics};
-use denavit_calibrate::effects::survey::{Survey, with_run_order};
-use denavit_calibrate::observation::measurements::RecordedRow;
-use denavit_calibrate::{NoEffects, identify::proportion::within_proportion};
+use denavit_identify::effects::catalogue::KINDS;
+use denavit_identify::effects::driver::{Conditions, Statics};
+use denavit_identify::effects::survey::{Survey, with_run_order};
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::proportion::within_proportion;
+use denavit_identify::simulate::effect_specification::{EffectSpecification, specified_effects};
+use denavit_identify::simulate::{Simulation, SimulationOptions, simulate};
+use denavit_measurements::RecordedRow;
 use denavit_model::Chain;
 use serde_json::{Value, json};
 

@@ -5,15 +5,15 @@ use crate::memory;
 use crate::question::{Calibrate, DataText, RobotText};
 use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell};
-use denavit_calibrate::identify::proportion::within_proportion;
-use denavit_calibrate::observation::measurements::import::{self, ImportOptions, Map};
-use denavit_calibrate::observation::measurements::{self, Loaded as Data, Units};
 use denavit_calibrate::report::{findings, text};
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_export::urdf;
+use denavit_identify::proportion::within_proportion;
 use denavit_load::Loaded;
+use denavit_measurements::import::{self, ImportOptions, Map};
+use denavit_measurements::{self, Loaded as Data, Units};
 use denavit_model::Chain;
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
@@ -42,7 +42,7 @@ fn import_options(map: Option<&str>) -> Result<ImportOptions, String> {
 
 fn read(data: &DataText, chain: &Chain, units: &str, options: &ImportOptions) -> Result<Data, String> {
     let units: Units = units.parse().map_err(words)?;
-    measurements::read_export(&data.file, &*data.bytes()?, chain, units, options).map_err(words)
+    denavit_measurements::read_export(&data.file, &*data.bytes()?, chain, units, options).map_err(words)
 }
 
 /// The calibration as JSON, as text and as the report's page, with the calibrated URDF and effects.

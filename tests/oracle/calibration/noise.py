@@ -1,4 +1,4 @@
-"""Variances of several sources of noise by a dense restricted likelihood: the oracle of crates/calibrate/src/identify/noise/reml.rs.
+"""Variances of several sources of noise by a dense restricted likelihood: the oracle of crates/identify/src/noise/reml.rs.
 
 `noise.py --out FILE` writes a few problems as JSON, each with the variances at which scipy finds the likelihood largest, and the ends
 of the profile's 95 % intervals. Nothing is clever here: V is one dense matrix of all values, its inverse and determinants are numpy's, and

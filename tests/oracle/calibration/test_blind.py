@@ -1,6 +1,6 @@
 """A slice of the blind suite: files made by `generate.py`, given to `denavit calibrate` with its defaults, judged by the truth.
 
-The whole of it: suite.py makes the cases, `cargo run --release -p denavit-calibrate --features unstable --example study_tracing` judges them.
+The whole of it: suite.py makes the cases, `cargo run --release -p denavit-calibrate --example study_tracing` judges them.
 """
 
 import json

@@ -1,10 +1,10 @@
 //! The robot of the first argument (a URDF or a D-H table), with the `TIP` (links, commas between them) and `UNITS` of the environment, and its
 //! files of measurements.
 
-use denavit_calibrate::effects::Statics;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Measurements, Units, read_export};
 use denavit_export::sources::{self, Source, Stated};
+use denavit_identify::effects::Statics;
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::{Measurements, Units, read_export};
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, PlacedRobot, Tips};
 use std::sync::Arc;

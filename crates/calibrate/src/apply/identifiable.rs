@@ -1,9 +1,9 @@
 //! What measurements of a chain could identify, before any is made.
 
-use crate::apply::simulate::{SimulationOptions, simulate};
-use crate::identify::identifiability::{Identifiability, identifiability};
-use crate::observation::kinds::KINDS;
-use crate::observation::parameters::{Freedom, NoEffects};
+use denavit_identify::identifiability::{Identifiability, identifiability};
+use denavit_identify::parameters::{Freedom, NoEffects};
+use denavit_identify::simulate::{SimulationOptions, simulate};
+use denavit_measurements::kinds::KINDS;
 use denavit_model::Chain;
 
 /// What poses, positions of this many targets and distances can identify of a chain, measured at `rows` readings spread over the

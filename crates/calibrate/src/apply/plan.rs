@@ -7,16 +7,17 @@ pub mod next;
 pub mod tell_apart;
 mod written;
 
-use crate::identify::posterior::{Earlier, expecting};
-use crate::identify::proportion::{OutOfProportion, TooManyJoints, can_be_identified, within_proportion};
-use crate::identify::residual::{ResidualModel, Scratch};
-use crate::observation::arm::{Arm, Perturbation, RowState};
-use crate::observation::gauge;
-use crate::observation::kinds::{ObservationKind, Seen};
-use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
-use crate::observation::prior::free_of_common_motions;
-use crate::observation::symmetric;
+use denavit_identify::arm::{Arm, Perturbation, RowState};
+use denavit_identify::gauge;
+use denavit_identify::observe::{Seen, model_of};
+use denavit_identify::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use denavit_identify::posterior::{Earlier, expecting};
+use denavit_identify::prior::free_of_common_motions;
+use denavit_identify::proportion::{OutOfProportion, TooManyJoints, can_be_identified, within_proportion};
+use denavit_identify::residual::{ResidualModel, Scratch};
+use denavit_identify::symmetric;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Measurements, Scene};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -439,9 +440,9 @@ fn as_predicted<'a>(
             let of = &rows.scene.series[index];
             let nothing = vec![0.0; of.kind.numbers()];
             let seen = Seen::new(arm, &state.tip, &still, of, &nothing, false);
-            if of.kind.in_view(&seen) {
+            if model_of(of.kind).in_view(&seen) {
                 values.clear();
-                of.kind.predict(&seen, &mut values);
+                model_of(of.kind).predict(&seen, &mut values);
                 rows.observed.push(index, &values);
                 any = true;
             }

@@ -2,8 +2,8 @@
 //!
 //! Every hole is a cone of 90°, so that a ball or a point sits in its middle. A corner cut off marks hole A1.
 
-use crate::observation::plate::Plate;
 use denavit_export::numbers::decimal;
+use denavit_measurements::plate::Plate;
 use denavit_model::hull::Triangle;
 use denavit_model::nalgebra::{Vector2, Vector3};
 use std::fmt::Write as _;

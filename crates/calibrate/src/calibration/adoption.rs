@@ -1,6 +1,6 @@
 //! What a calibration hands on, and whether rows that it has not seen are worse by it: these judge, they choose nothing.
 
-use crate::identify::residual_statistics::{Residual, above_zero};
+use denavit_identify::residual_statistics::{Residual, above_zero};
 use serde::Serialize;
 
 /// Chance makes a stage that changes nothing look worse on held-out rows in one file of a hundred.

@@ -8,23 +8,23 @@ use crate::calibration::drawing_differences::DrawingDifference;
 use crate::calibration::expected::Expected;
 use crate::calibration::placed_anew::PlacedAnew;
 use crate::calibration::rows::{Placements, Rows};
-use crate::identify::carried::CarriedPart;
-use crate::identify::lack_of_fit::LackOfFit;
-use crate::identify::noise::NoiseModel;
-use crate::identify::posterior::Posterior;
-use crate::identify::redundancy::Redundancy;
-use crate::identify::residual_statistics::{Errors, LengthFound};
-use crate::observation::measurements::ColumnUse;
-use crate::observation::parameters::is_zero;
-use crate::trace::infer::lines::Line;
-use crate::trace::loads::UndeclaredLoads;
-use crate::trace::masses::LinkMasses;
+use denavit_identify::carried::CarriedPart;
+use denavit_identify::lack_of_fit::LackOfFit;
+use denavit_identify::noise::NoiseModel;
+use denavit_identify::parameters::is_zero;
+use denavit_identify::posterior::Posterior;
+use denavit_identify::redundancy::Redundancy;
+use denavit_identify::residual_statistics::{Errors, LengthFound};
+use denavit_measurements::ColumnUse;
+use denavit_trace::infer::lines::Line;
+use denavit_trace::loads::UndeclaredLoads;
+use denavit_trace::masses::LinkMasses;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Version of the contract. The second adds `origin`, `placements`, `rows`, `repeats`, `noise`, `curves`, `fields` and `prospect` to the first, and changes
 /// nothing of it.
-pub const SCHEMA: &str = crate::identify::posterior::CALIBRATION_SCHEMA;
+pub const SCHEMA: &str = denavit_identify::posterior::CALIBRATION_SCHEMA;
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,7 +42,6 @@ pub struct CalibrationReport {
     pub tip: String,
     /// The tips, where several were calibrated; left out where there is one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub tips: Vec<TipEntry>,
     /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
     pub measurement: String,
@@ -50,39 +49,30 @@ pub struct CalibrationReport {
     pub columns: Vec<ColumnUse>,
     /// What was supposed of the rows because they fit no robot as they are written; left out where they do.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub read_as: Option<ReadAs>,
     /// Loads at the tip by which setups differ, although no column says so: the rows are used with them; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub undeclared_loads: Option<UndeclaredLoads>,
     /// Masses of links that were fitted because the description has none; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub masses: Option<LinkMasses>,
     /// What was placed anew before the test rows were measured; left out where everything stands as it did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub placed_anew: Option<PlacedAnew>,
     /// Sorts of values of whose variation the fitted geometry leaves more than a fifth; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub poorly_explained: Vec<Explained>,
     /// Rows used.
     pub samples: Samples,
     /// Numbers measured beside numbers found.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub redundancy: Redundancy,
     /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub repeats: Vec<LackOfFit>,
     /// What the noise of the adopted stage is made of; left out where nothing can be estimated of it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub noise: Option<NoiseModel>,
     /// Counts of parameters.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub identifiability: Counts,
     /// What is not identifiable.
     pub unidentifiable: Vec<Unidentifiable>,
@@ -92,25 +82,20 @@ pub struct CalibrationReport {
     pub adopted: Adopted,
     /// Where instruments, targets and points were found at that stage.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
     /// How the parameters hang together, and what they are counted from: with them the next calibration can continue from here.
     /// Left out where no axis was identified.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub posterior: Option<Posterior>,
     /// What the earlier calibration counted for that this one continues from; left out where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub differs_from_drawing: Vec<DrawingDifference>,
     /// The zeros of joints that explain nearly all that the axes do; left out where they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub joint_zeros: Option<JointZeros>,
     /// Effects that are sure enough to be named.
     pub effects: Vec<EffectEntry>,
@@ -119,21 +104,17 @@ pub struct CalibrationReport {
     pub one_of: Vec<EffectEntry>,
     /// What poses measured next are expected to decide; left out where no cause is uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub prospect: Option<Prospect>,
     /// How far the averaged prediction is expected to be off, within the measured ranges and outside; left out where it is not adopted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub prediction: Option<Expected>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,
     /// What depends on several joints and is no named cause; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fields: Vec<FieldEntry>,
     /// What no effect explains.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub unexplained: Unexplained,
     /// Residuals of the adopted stage, fitted rows first.
     pub rows: Rows,
@@ -361,11 +342,9 @@ pub struct Stage {
     pub test: Option<Errors>,
     /// Known distances between points as the fitted rows alone say them; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub train_lengths: Vec<LengthFound>,
     /// The same of the held-out rows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub test_lengths: Vec<LengthFound>,
     /// Whether the fit converged.
     pub converged: bool,
@@ -436,7 +415,6 @@ pub struct CurveEntry {
     /// By how much the curve raises the logarithm of the marginal likelihood.
     pub log_evidence: f64,
     /// Sines that hold much of it, the strongest first.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub lines: Vec<Line>,
     /// The curve over the range of the data: add it to the reading to have the joint's true value.
     pub table: Vec<CurvePoint>,
@@ -479,7 +457,7 @@ pub struct Unexplained {
     pub p_value: f64,
     /// Where it is, the largest share first.
     #[serde(rename = "where")]
-    pub places: Vec<crate::trace::Structure>,
+    pub places: Vec<denavit_trace::Structure>,
 }
 
 impl CalibrationReport {

@@ -21,11 +21,11 @@ pub use mistakes::{Mistake, QuaternionSlip};
 
 use self::explained::{Explained, explained};
 
-use crate::identify::initial_guess::nominal_fit;
-use crate::identify::solve::{Fit, FitOptions};
-use crate::identify::{Identification, IdentifyOptions, identify};
-use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::NoEffects;
+use denavit_identify::initial_guess::nominal_fit;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::solve::{Fit, FitOptions};
+use denavit_identify::{Identification, IdentifyOptions, identify};
+use denavit_measurements::{Measurements, Scene};
 use denavit_model::Chain;
 use denavit_model::nalgebra::Vector3;
 use thiserror::Error;

@@ -1,8 +1,8 @@
 //! Where a robot is not what its drawing says: a link of another length, not a link made within its tolerance.
 
-use crate::identify::solve::Fit;
-use crate::observation::prior::covariance_of;
-use crate::observation::symmetric;
+use denavit_identify::prior::covariance_of;
+use denavit_identify::solve::Fit;
+use denavit_identify::symmetric;
 use denavit_model::nalgebra::DVector;
 use serde::Serialize;
 

@@ -1,10 +1,10 @@
 //! How far the averaged prediction is expected to be off: among the measured postures, and with a joint outside of what was measured.
 
-use crate::effects::Conditions;
-use crate::effects::averaged::Averaged;
-use crate::identify::averaging::Averaging;
-use crate::observation::arm::Row;
-use crate::observation::measurements::{Measurements, RecordedRow};
+use denavit_identify::arm::Row;
+use denavit_identify::averaging::Averaging;
+use denavit_identify::effects::Conditions;
+use denavit_identify::effects::averaged::Averaged;
+use denavit_measurements::{Measurements, RecordedRow};
 use serde::Serialize;
 use std::fmt::Write as _;
 

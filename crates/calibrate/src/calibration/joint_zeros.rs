@@ -1,11 +1,11 @@
 //! Whether what a calibration found are zeros of joints and little else: axes that turn by the same angles about the axes before.
 
 use crate::calibration::contract::{Identified, JointZeros};
-use crate::identify::initial_guess::some_rows;
-use crate::identify::solve::{Fit, FitOptions};
-use crate::identify::{Identification, IdentifyOptions, fit_stage};
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use denavit_identify::initial_guess::some_rows;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::solve::{Fit, FitOptions};
+use denavit_identify::{Identification, IdentifyOptions, fit_stage};
+use denavit_measurements::Measurements;
 use denavit_model::Chain;
 
 /// Zeros must explain this share of the squares that the axes explain.

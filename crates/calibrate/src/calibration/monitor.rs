@@ -15,12 +15,12 @@ use super::diagnosis::{self, Corrected, Diagnosis, needed_to_place};
 use super::repeats_the_row_before;
 use crate::apply::plan::next::{Outlook, outlook, within_limits};
 use crate::apply::plan::{PlanError, PlanOptions};
-use crate::identify::initial_guess::nominal_fit;
-use crate::identify::residual::{ResidualModel, Scratch};
-use crate::identify::solve::{FALSE_REJECTIONS, Fit, GROSS};
-use crate::identify::{IdentifyOptions, fit_stage, identify};
-use crate::observation::measurements::{Measurements, Scene};
-use crate::observation::parameters::{NoEffects, ParameterKind};
+use denavit_identify::initial_guess::nominal_fit;
+use denavit_identify::parameters::{NoEffects, ParameterKind};
+use denavit_identify::residual::{ResidualModel, Scratch};
+use denavit_identify::solve::{FALSE_REJECTIONS, Fit, GROSS};
+use denavit_identify::{IdentifyOptions, fit_stage, identify};
+use denavit_measurements::{Measurements, Scene};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::{Serialize, Serializer};
@@ -424,7 +424,7 @@ impl Prediction {
     }
 
     fn off(&self, fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Off> {
-        let of = |(index, part): (usize, &crate::observation::kinds::Part)| {
+        let of = |(index, part): (usize, &denavit_measurements::kinds::Part)| {
             let (mut square, mut expected, mut count) = (0.0, 0.0, 0.0);
             for &(observation, first) in &self.observations {
                 let series = data.series_of(observation);

@@ -3,11 +3,11 @@
 use crate::apply::plan::tell_apart::{Prospect, TellApart, tell_apart};
 use crate::apply::plan::{PlanError, PlanOptions};
 use crate::calibration::Calibration;
-use crate::effects::driver::Statics;
-use crate::effects::survey::Survey;
-use crate::identify::carried::Carried;
-use crate::observation::kinds::POSITION;
-use crate::trace::infer::hypotheses::Open;
+use denavit_identify::carried::Carried;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::effects::survey::Survey;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_trace::infer::hypotheses::Open;
 use std::sync::Arc;
 
 /// Poses that the report speaks of.
@@ -18,7 +18,6 @@ const FEW_CANDIDATES: usize = 60;
 impl Calibration {
     /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
     /// effects and curves.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn open(&self, statics: &Statics) -> Arc<Open> {
         if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
             return open;
@@ -36,7 +35,6 @@ impl Calibration {
     ///
     /// # Errors
     /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
         tell_apart(&self.open(statics), &self.train, options, exchange)
     }
@@ -46,7 +44,7 @@ impl Calibration {
         if self.report.one_of.is_empty() {
             return None;
         }
-        let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, POSITION);
+        let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, ObservationKind::Position);
         let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
         self.tell_apart(statics, &options, false).ok().map(|planned| planned.prospect)
     }

@@ -1,10 +1,10 @@
 //! An instrument or a target that was placed anew before the test rows were measured: they then miss by a motion, not by the robot.
 
-use crate::identify::residual_statistics::{Residual, placed, residuals};
-use crate::identify::solve::{Fit, FitOptions, fit};
-use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use denavit_identify::arm::Arm;
+use denavit_identify::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use denavit_identify::residual_statistics::{Residual, placed, residuals};
+use denavit_identify::solve::{Fit, FitOptions, fit};
+use denavit_measurements::Measurements;
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Point3, UnitQuaternion, Vector3};
 use serde::Serialize;

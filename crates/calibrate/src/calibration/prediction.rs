@@ -1,11 +1,11 @@
 //! The calibrated model compared with rows that were measured later.
 
 use crate::calibration::Calibration;
-use crate::effects::survey::with_run_order_after;
-use crate::identify::residual_statistics::{Errors, Residual, TestError, bound_later, errors, placed, residuals};
-use crate::identify::solve::Fit;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::Effects;
+use denavit_identify::effects::survey::with_run_order_after;
+use denavit_identify::parameters::Effects;
+use denavit_identify::residual_statistics::{Errors, Residual, TestError, bound_later, errors, placed, residuals};
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
 
 /// How far later rows are from what the calibrated model says of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,6 @@ impl Calibration {
     ///
     /// # Errors
     /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn predict(&self, later: Measurements) -> Result<Prediction, TestError> {
         let later = with_run_order_after(later.placed_anew(), &self.train);
         if let Some(fit) = self.beyond_geometry() {

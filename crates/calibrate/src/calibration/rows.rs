@@ -2,13 +2,13 @@
 //! who knows the cell checks first.
 
 use crate::calibration::Calibration;
-use crate::effects::model::EffectModel;
-use crate::identify::residual_statistics::{Residual, bound_later, placed, residuals_of};
-use crate::identify::solve::Fit;
-use crate::observation::arm::Arm;
-use crate::observation::board::Corner;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Effects, NoEffects};
+use denavit_identify::arm::Arm;
+use denavit_identify::effects::model::EffectModel;
+use denavit_identify::parameters::{Effects, NoEffects};
+use denavit_identify::residual_statistics::{Residual, bound_later, placed, residuals_of};
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
+use denavit_measurements::board::Corner;
 use denavit_model::Pose;
 use denavit_model::nalgebra::UnitQuaternion;
 use serde::ser::SerializeSeq as _;

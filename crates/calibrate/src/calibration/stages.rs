@@ -4,19 +4,19 @@ use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::Stage;
 use crate::calibration::placed_anew::PlacedAnew;
-use crate::effects::curve_modes::CurveModes;
-use crate::effects::model::EffectModel;
-use crate::identify::Identification;
-use crate::identify::carried::{Carried, Gains};
-use crate::identify::residual_statistics::{
+use denavit_identify::Identification;
+use denavit_identify::carried::{Carried, Gains};
+use denavit_identify::effects::curve_modes::CurveModes;
+use denavit_identify::effects::model::EffectModel;
+use denavit_identify::parameters::{Effects, NoEffects};
+use denavit_identify::residual_statistics::{
     ErrorSums, Errors, Residual, TestError, bound_later, each_residual, errors, lengths_found, placed, residuals,
 };
-use crate::identify::solve::Fit;
-use crate::identify::threads::in_stretches;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::{Effects, NoEffects};
-use crate::trace::infer::curves::CurveFit;
-use crate::trace::{Finding, Trace};
+use denavit_identify::solve::Fit;
+use denavit_linear::threads::in_stretches;
+use denavit_measurements::Measurements;
+use denavit_trace::infer::curves::CurveFit;
+use denavit_trace::{Finding, Trace};
 use std::borrow::Cow;
 
 /// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
@@ -50,10 +50,9 @@ impl StageResiduals {
 
 impl Calibration {
     /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn residuals(&self) -> Vec<StageResiduals> {
         let (train, test) = (&*self.train, self.test.as_deref());
-        let geometry = self.identification.stages(self.carried.is_some()).into_iter();
+        let geometry = geometric_stages(&self.identification, self.carried.is_some()).into_iter();
         let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
         let beyond = self.beyond_stages().into_iter();
         let beyond = beyond.map(|stage| StageResiduals::of(&stage.name, &*stage.fit, train, test));
@@ -62,9 +61,8 @@ impl Calibration {
     }
 
     /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn first_and_last(&self) -> [StageResiduals; 2] {
-        let geometry = self.identification.stages(self.carried.is_some());
+        let geometry = geometric_stages(&self.identification, self.carried.is_some());
         let of_geometry = |index: usize| {
             let (name, _, fit) = geometry[index];
             StageResiduals::of(name, fit, &self.train, None)
@@ -108,22 +106,20 @@ fn errors_of_kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Errors {
     all.errors()
 }
 
-impl Identification {
-    /// The stages that hold geometry alone, in the order in which they are listed, each with its name. Where an earlier calibration's
-    /// effects are carried over, the stage `earlier` has them and is not one of these.
-    pub(super) fn stages(&self, carried: bool) -> Vec<GeometricStage<'_>> {
-        let mut stages = vec![("nominal", Adopted::Nominal, &self.nominal)];
-        let earlier = self.earlier.as_ref().filter(|_| !carried);
-        stages.extend(earlier.map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
-        stages.push(("geometric", Adopted::Geometric, &self.geometric));
-        stages
-    }
+/// The stages that hold geometry alone, in the order in which they are listed, each with its name. Where an earlier calibration's
+/// effects are carried over, the stage `earlier` has them and is not one of these.
+pub(super) fn geometric_stages(identification: &Identification, carried: bool) -> Vec<GeometricStage<'_>> {
+    let mut stages = vec![("nominal", Adopted::Nominal, &identification.nominal)];
+    let earlier = identification.earlier.as_ref().filter(|_| !carried);
+    stages.extend(earlier.map(|earlier| ("earlier", Adopted::Earlier, &earlier.fit)));
+    stages.push(("geometric", Adopted::Geometric, &identification.geometric));
+    stages
+}
 
-    /// The fit of a stage that holds geometry alone; the geometric one for all others.
-    pub(super) fn at(&self, adopted: Adopted) -> &Fit<NoEffects> {
-        let own = self.stages(false).into_iter().find(|(_, stage, _)| *stage == adopted);
-        own.map_or(&self.geometric, |(.., fit)| fit)
-    }
+/// The fit of a stage that holds geometry alone; the geometric one for all others.
+pub(super) fn geometry_at(identification: &Identification, adopted: Adopted) -> &Fit<NoEffects> {
+    let own = geometric_stages(identification, false).into_iter().find(|(_, stage, _)| *stage == adopted);
+    own.map_or(&identification.geometric, |(.., fit)| fit)
 }
 
 /// The stages while they are judged.

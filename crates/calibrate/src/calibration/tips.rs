@@ -2,9 +2,9 @@
 
 use super::{CalibrateError, CalibrateOptions};
 use crate::calibration::contract::TipEntry;
-use crate::effects::driver::Statics;
-use crate::identify::residual_statistics::{Errors, Residual, errors};
-use crate::observation::measurements::Measurements;
+use denavit_identify::effects::driver::Statics;
+use denavit_identify::residual_statistics::{Errors, Residual, errors};
+use denavit_measurements::Measurements;
 use denavit_model::{Chain, Tip};
 
 /// Refuses what cannot be done with several tips.

@@ -1,9 +1,9 @@
 //! How far each axis is from its drawing and how sure that is, as text: standard deviations, what the data tell weakly,
 //! what they tell only together.
 
-use crate::identify::solve::Fit;
-use crate::observation::parameters::ParameterKind;
 use crate::report::text::{correlations, table};
+use denavit_identify::parameters::ParameterKind;
+use denavit_identify::solve::Fit;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 

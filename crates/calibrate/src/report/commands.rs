@@ -1,7 +1,7 @@
 //! Compensated joint commands as text, CSV and JSON.
 
 use crate::apply::compensate::{Allowed, Command};
-use crate::observation::measurements::Units;
+use denavit_measurements::Units;
 use denavit_model::Chain;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;

@@ -2,10 +2,10 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::CurveEntry;
-use crate::effects::model::Effect;
 use crate::report::plots::{AFTER, Plot, PlotError, svg};
 use crate::report::trace_plots::{bounds, scatter};
-use crate::trace::infer::deflection::amounts;
+use denavit_identify::effects::model::Effect;
+use denavit_trace::infer::deflection::amounts;
 use plotters::prelude::*;
 
 /// Two-sided 95 % of a normal distribution.

@@ -1,13 +1,13 @@
 //! Error curves of joints as the report has them: entries of the JSON, lines of the text.
 
 use crate::calibration::contract::{CurveEntry, CurvePoint, FieldEntry};
-use crate::effects::curve::Curve;
-use crate::effects::model::{Effect, EffectModel};
-use crate::identify::solve::Fit;
-use crate::observation::measurements::Measurements;
-use crate::trace::infer::deflection::turned;
-use crate::trace::infer::lines::{course, lines};
+use denavit_identify::effects::curve::Curve;
+use denavit_identify::effects::model::{Effect, EffectModel};
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
 use denavit_model::Screw;
+use denavit_trace::infer::deflection::turned;
+use denavit_trace::infer::lines::{course, lines};
 use std::fmt::Write;
 
 /// Readings in the table of a curve.
@@ -15,7 +15,6 @@ const TABLE: usize = 73;
 
 impl CurveEntry {
     /// An entry for each curve of a fit.
-    #[cfg_attr(not(feature = "unstable"), doc(hidden))]
     pub fn of_fit(fit: &Fit<EffectModel>, gains: &[f64]) -> Vec<Self> {
         let joints = fit.arm.nominal.joints();
         let entry = |(curve, gain): (&Curve, &f64)| {

@@ -1,13 +1,13 @@
 //! Nominal, actual, delta, with standard deviations: what a controller's table is to be changed by.
 
 use crate::calibration::Calibration;
-use crate::identify::solve::Fit;
-use crate::observation::arm::Arm;
 use denavit_dh::convert::HAYATI_BELOW;
 use denavit_dh::matching::{MatchError, VendorTable, Verdict, match_table};
 use denavit_dh::nearest::Parallels;
 use denavit_dh::{Convention, NearParallel, Options, Parallelism, Table, convert};
 use denavit_export::deltas::{Delta, deltas};
+use denavit_identify::arm::Arm;
+use denavit_identify::solve::Fit;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use denavit_model::{Chain, ChainError};
 use thiserror::Error;

@@ -1,8 +1,8 @@
 //! What the tracer found, as text for a terminal: each effect, why it is claimed, its alternatives, and unexplained structure.
 
-use crate::effects::catalogue::Kind;
-use crate::trace::infer::named::Alternative;
-use crate::trace::{Finding, Trace, Value};
+use denavit_identify::effects::catalogue::Kind;
+use denavit_trace::infer::named::Alternative;
+use denavit_trace::{Finding, Trace, Value};
 use std::fmt::Write;
 
 fn number(value: &Value) -> String {
@@ -100,29 +100,6 @@ pub fn said(finding: &Finding, trace: &Trace) -> Said {
     Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }
 }
 
-/// What an effect of a kind means, and what to do about it.
-fn advice(kind: Kind) -> &'static str {
-    match kind {
-        Kind::JointScale => "the joint turns more or less than it reads: compensate, or check encoder and gear ratio",
-        Kind::HelicalPitch => "the joint moves along its axis as it turns: compensate",
-        Kind::TransmissionError => "the joint errs periodically: compensate, or check gear and encoder",
-        Kind::JointCompliance => "the joint yields under load: compensate, or check its gear",
-        Kind::Backlash => "the joint has play: compensate, or approach every pose from the same side",
-        Kind::JointCoupling => "the joint follows another joint: compensate",
-        Kind::AxisWobble => "the axis tilts as the joint turns: compensate, or check its bearing",
-        Kind::LocalJointError => "the joint errs at one place of its range: compensate, or check its gear there",
-        Kind::LinkCompliance => "the link or its bearing bends under load: compensate",
-        Kind::BaseCompliance => "the base moves under load: fasten it, or compensate",
-        Kind::Tilt => "it tilts as its inclinometer says: compensate with the recorded inclination",
-        Kind::Thermal => "it follows a temperature or warmth: warm the robot up before measuring, or compensate",
-        Kind::Drift => "it changed during the run: fasten it and measure again",
-        Kind::Latency => "readings and measured values are of different times: measure at standstill",
-        Kind::InstrumentScale => "the instrument's lengths are scaled: check its settings",
-        Kind::Geometry => "no named cause: included in the model",
-        Kind::TargetIncidence => "the range depends on how the target is turned: check the target",
-    }
-}
-
 /// The effects, the named ones first.
 pub fn named_first(trace: &Trace) -> Vec<&Finding> {
     let (mut named, open): (Vec<&Finding>, Vec<&Finding>) = trace.findings.iter().partition(|finding| finding.named);
@@ -138,7 +115,7 @@ pub fn structure(trace: &Trace) -> Option<String> {
 
 /// Joints and covariates that unexplained structure follows, each with its share.
 fn places(trace: &Trace) -> String {
-    let place = |place: &crate::trace::Structure| {
+    let place = |place: &denavit_trace::Structure| {
         let name = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or("run order");
         format!("{name} {}", percent(place.share))
     };
@@ -182,7 +159,7 @@ pub fn findings(trace: &Trace) -> String {
         if let Some(rivals) = rivals {
             let _ = writeln!(text, "      {rivals}");
         }
-        let _ = writeln!(text, "      {}", advice(likeliest(finding)));
+        let _ = writeln!(text, "      {}", likeliest(finding).advice());
     }
     text + &ending(trace) + "\n"
 }

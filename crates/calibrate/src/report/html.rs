@@ -2,13 +2,13 @@
 
 use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::{Calibration, StageResiduals};
-use crate::effects::catalogue::{KINDS, Kind};
-use crate::observation::arm::Arm;
 use crate::report::findings::{self, Said};
 use crate::report::plots::{self, Plot, PlotError};
 use crate::report::{curve_plots, rows, text, trace_plots, trust};
-use crate::trace::Trace;
+use denavit_identify::arm::Arm;
+use denavit_identify::effects::catalogue::{KINDS, Kind};
 use denavit_model::nalgebra::Vector3;
+use denavit_trace::Trace;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value, context};
 use serde::Serialize;

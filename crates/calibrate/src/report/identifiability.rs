@@ -1,8 +1,8 @@
 //! What measurements can tell of a robot, as text and as JSON.
 
-use crate::identify::dh_form::DhForm;
-use crate::identify::identifiability::Identifiability;
 use crate::report::text::table;
+use denavit_identify::dh_form::DhForm;
+use denavit_identify::identifiability::Identifiability;
 use denavit_model::{Chain, Screw};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -83,7 +83,7 @@ pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
 pub fn to_json(chain: &Chain, rows: usize, found: &[Identifiability], form: &DhForm) -> String {
     let name = |index: &usize| chain.joints()[*index].name.clone();
     let unidentifiable = |one: &Identifiability| -> Vec<Value> {
-        let entry = |unidentifiable: &crate::identify::identifiability::UnidentifiableParameter| json!({"parameter": unidentifiable.parameter, "joint": unidentifiable.joint, "why": unidentifiable.why});
+        let entry = |unidentifiable: &denavit_identify::identifiability::UnidentifiableParameter| json!({"parameter": unidentifiable.parameter, "joint": unidentifiable.joint, "why": unidentifiable.why});
         one.unidentifiable.iter().map(entry).collect()
     };
     let poe: Vec<Value> = found
@@ -123,7 +123,7 @@ pub fn to_json(chain: &Chain, rows: usize, found: &[Identifiability], form: &DhF
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::dh_form::dh_form as analyse;
+    use denavit_identify::dh_form::dh_form as analyse;
     use denavit_model::examples;
 
     #[test]

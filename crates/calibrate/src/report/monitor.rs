@@ -1,7 +1,7 @@
 //! What is known after each measured row: as a line, as lines for a terminal, as JSON.
 
 use crate::calibration::monitor::{Known, Off, RowStatus, SCHEMA, Uncertain};
-use crate::observation::measurements::Units;
+use denavit_measurements::Units;
 use denavit_model::Chain;
 use serde::Serialize;
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! What the noise is made of, in a paragraph.
 
-use crate::identify::noise::{Component, NoiseModel};
+use denavit_identify::noise::{Component, NoiseModel};
 use std::fmt::Write;
 
 /// Factor and unit in which a size is written: angles that an instrument tells in µrad, those of joints in mrad.

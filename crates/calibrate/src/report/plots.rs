@@ -1,7 +1,7 @@
 //! Plots of a calibration as SVG.
 
 use crate::calibration::StageResiduals;
-use crate::observation::measurements::Measurements;
+use denavit_measurements::Measurements;
 use denavit_model::nalgebra::Vector3;
 use plotters::prelude::*;
 use serde::Serialize;

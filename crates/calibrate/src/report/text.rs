@@ -4,13 +4,6 @@ use crate::apply::plan::tell_apart::Prospect;
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{CalibrationReport, HeldBy, Stage, TipEntry};
-use crate::effects::driver::RUN_ORDER;
-use crate::identify::averaging::NotAveraged;
-use crate::identify::residual_statistics::{Errors, LengthFound};
-use crate::identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
-use crate::observation::kinds::Part;
-use crate::observation::measurements::{Measurements, Scene, columns};
-use crate::observation::parameters::{Parameter, ParameterKind};
 use crate::report::axes::axes;
 use crate::report::curves::{curves, fields};
 use crate::report::findings::findings;
@@ -18,8 +11,15 @@ use crate::report::noise as noise_model;
 use crate::report::summary::summary;
 use crate::report::trust;
 use crate::report::zeros::{nearly_all, zeros};
-use crate::trace::Trace;
+use denavit_identify::averaging::NotAveraged;
+use denavit_identify::effects::driver::RUN_ORDER;
+use denavit_identify::parameters::{Parameter, ParameterKind};
+use denavit_identify::residual_statistics::{Errors, LengthFound};
+use denavit_identify::solve::{DEGREES_FOR_NOISE, Fit, Noise};
+use denavit_measurements::kinds::Part;
+use denavit_measurements::{Measurements, Scene, columns};
 use denavit_model::nalgebra::Vector3;
+use denavit_trace::Trace;
 use std::fmt::Write;
 
 /// Prior and posterior spread are alike when their ratio is above this.
@@ -161,7 +161,7 @@ pub fn final_parameters(result: &Calibration) -> String {
 
 /// Pairs of parameters of the robot that are correlated more than `above`, the strongest first, `most` at most.
 pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, String, f64)> {
-    let robot = |kind: ParameterKind| crate::identify::identifiability::of_robot(kind);
+    let robot = |kind: ParameterKind| denavit_identify::identifiability::of_robot(kind);
     let mut pairs = Vec::new();
     for i in 0..fit.layout.len() {
         for k in 0..i {

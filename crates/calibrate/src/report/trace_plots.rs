@@ -1,11 +1,11 @@
 //! Plots of what the tracer found and of what it left.
 
-use crate::identify::residual_statistics::Residual;
-use crate::identify::solve::Noise;
-use crate::observation::measurements::Scene;
 use crate::report::plots::{AFTER, ARM, BEFORE, Plot, PlotError, svg};
-use crate::trace::PartialResiduals;
+use denavit_identify::residual_statistics::Residual;
+use denavit_identify::solve::Noise;
+use denavit_measurements::Scene;
 use denavit_model::nalgebra::Vector3;
+use denavit_trace::PartialResiduals;
 use plotters::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -49,7 +49,7 @@ pub(super) fn scatter(sets: &[(&Points, RGBColor)], line: &Points, words: [&str;
 /// A value is not finite.
 pub fn partial_residuals(partial_residuals: &PartialResiduals, name: &str) -> Result<[Plot; 2], PlotError> {
     let (factor, ordinate) = in_thousandths(&partial_residuals.ordinate);
-    let points = |value: fn(&crate::trace::PartialResidual) -> Option<f64>| -> Points {
+    let points = |value: fn(&denavit_trace::PartialResidual) -> Option<f64>| -> Points {
         partial_residuals.points.iter().filter_map(|point| Some((point.driver, value(point)? * factor))).collect()
     };
     let mut model = points(|point| Some(point.model));

@@ -3,9 +3,9 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, FileUse};
-use crate::identify::carried::{CarriedPart, PartState};
-use crate::identify::lack_of_fit::LackOfFit;
-use crate::observation::measurements::Scene;
+use denavit_identify::carried::{CarriedPart, PartState};
+use denavit_identify::lack_of_fit::LackOfFit;
+use denavit_measurements::Scene;
 use std::fmt::Write;
 
 /// Below this many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.

@@ -1,12 +1,12 @@
 //! Two hands of one robot that touch each other or hold a tool: rows as a user would write them, and how near a fit of them comes to the bound.
 
 use crate::webcam::derivatives;
-use denavit_calibrate::apply::simulate::two_tips::{TwoTips, apart, simulate, touch, write};
-use denavit_calibrate::apply::simulate::{SimulationOptions, true_target};
-use denavit_calibrate::observation::kinds::{GRIP, SOCKET};
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Units, read_export};
 use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, identify};
+use denavit_identify::simulate::two_tips::{TwoTips, apart, simulate, touch, write};
+use denavit_identify::simulate::{SimulationOptions, true_target};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{Units, read_export};
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3};
 use denavit_model::{Chain, Reading, Tips, urdf};
 use std::ops::Range;
@@ -41,7 +41,7 @@ impl Touches {
     pub fn drawn(rows: usize, seed: u64) -> Self {
         let (chain, tips, _) = both(TWO_ARMS);
         let options = SimulationOptions {
-            kind: SOCKET,
+            kind: ObservationKind::Socket,
             rows,
             seed,
             noise_position: SCATTER,
@@ -179,7 +179,7 @@ impl Grips {
     pub fn drawn(rows: usize, seed: u64) -> Self {
         let (chain, tips, _) = both(TWO_ARMS);
         let options = SimulationOptions {
-            kind: GRIP,
+            kind: ObservationKind::Grip,
             rows: rows - LATER,
             seed,
             noise_position: SLACK[0],

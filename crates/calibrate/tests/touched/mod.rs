@@ -1,12 +1,12 @@
 //! A simulated arm that touches the holes of a plate, as the rows that a user would write.
 
-use denavit_calibrate::apply::simulate::postures::brought_to;
-use denavit_calibrate::apply::simulate::{SimulationOptions, readings, simulate, true_target};
-use denavit_calibrate::identify::initial_guess::rigid_fit;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{Units, read_export};
-use denavit_calibrate::observation::plate::Plate;
 use denavit_calibrate::{Arm, Measurements, NoEffects};
+use denavit_identify::initial_guess::rigid_fit;
+use denavit_identify::simulate::postures::brought_to;
+use denavit_identify::simulate::{SimulationOptions, readings, simulate, true_target};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::plate::Plate;
+use denavit_measurements::{Units, read_export};
 use denavit_model::nalgebra::{Point3, Rotation3, Vector3};
 use denavit_model::{Chain, se3};
 use rand::{RngExt, SeedableRng};

@@ -1,13 +1,13 @@
 //! A webcam and a Franka Panda, and how near a fit comes to what the noise allows: for the tests and for `study_camera`.
 
-use denavit_calibrate::apply::simulate::{SimulationOptions, simulate, simulate_arm};
-use denavit_calibrate::identify::residual::Scratch;
-use denavit_calibrate::identify::residual_statistics::residuals;
-use denavit_calibrate::observation::board::Sight;
-use denavit_calibrate::observation::gauge;
-use denavit_calibrate::observation::kinds::PIXEL;
-use denavit_calibrate::observation::lens::{Distortion, Lens};
 use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, ResidualModel, identify};
+use denavit_identify::gauge;
+use denavit_identify::residual::Scratch;
+use denavit_identify::residual_statistics::residuals;
+use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::board::Sight;
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::lens::{Distortion, Lens};
 use denavit_model::nalgebra::DMatrix;
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, urdf};
@@ -26,7 +26,13 @@ pub fn webcam(on_hand: bool) -> SimulationOptions {
     bend[..5].copy_from_slice(&[0.08, -0.18, 1e-3, -5e-4, 0.05]);
     let lens = Lens { distortion: Distortion::Polynomial(bend), ..Lens::webcam() };
     let sight = Some(Sight { lens, on_hand, board: "7x5:30mm".parse().ok() });
-    SimulationOptions { kind: PIXEL, rows: 60, sight, noise_pixel: 0.2, ..SimulationOptions::default() }
+    SimulationOptions {
+        kind: ObservationKind::Pixel,
+        rows: 60,
+        sight,
+        noise_pixel: 0.2,
+        ..SimulationOptions::default()
+    }
 }
 
 /// The information that the rows give at this arm, beside the prior and the conditions that hold the common frame; and

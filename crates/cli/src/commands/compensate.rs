@@ -7,8 +7,8 @@ use crate::measured;
 use crate::output::Status;
 use crate::source::Loaded;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
-use denavit_calibrate::effects::recorded;
 use denavit_calibrate::report::commands::{summary, to_csv, to_json};
+use denavit_identify::effects::recorded;
 use denavit_load::measured::{all_known, without_part_in_the_tip};
 use denavit_model::Chain;
 

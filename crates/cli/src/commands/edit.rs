@@ -211,7 +211,7 @@ fn is_calibration(text: &str) -> bool {
 /// The robot's axes where a calibration of ours found them.
 #[cfg(feature = "calibrate")]
 fn calibrated(file: &str, text: &str, robot: &Text) -> Result<Actual, Failure> {
-    use denavit_calibrate::identify::posterior::Earlier;
+    use denavit_identify::posterior::Earlier;
     let tree = denavit_edit::robot_of(robot)?;
     let wrong = |why: String| Failure::Argument(format!("{file}: {why}"));
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;

@@ -9,10 +9,10 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::{self, Status};
 use crate::source;
-#[cfg(feature = "calibrate")]
-use denavit_calibrate::effects::driver::{Conditions, Statics};
 use denavit_export::numbers::decimal;
 use denavit_export::poe::pose_text;
+#[cfg(feature = "calibrate")]
+use denavit_identify::effects::driver::{Conditions, Statics};
 #[cfg(feature = "calibrate")]
 use denavit_load::measured::{taken_at_averages, with_given, without_part_in_the_tip};
 #[cfg(feature = "calibrate")]

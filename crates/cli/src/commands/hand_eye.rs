@@ -6,10 +6,10 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
 use crate::source;
-use denavit_calibrate::observation::measurements::import::AngleConvention;
-use denavit_calibrate::observation::measurements::pose_pairs::{self, PairAngles};
 use denavit_hand_eye::report::{self, Lines};
 use denavit_hand_eye::{Arrangement, HandEyeError, Pair, solve};
+use denavit_measurements::import::AngleConvention;
+use denavit_measurements::pose_pairs::{self, PairAngles};
 
 /// Runs the command.
 pub fn run(arguments: &HandEyeArguments) -> Result<Status, Failure> {

@@ -6,10 +6,10 @@ use crate::failure::Failure;
 use crate::measured;
 use crate::output::Status;
 use denavit_calibrate::apply::identifiable;
-use denavit_calibrate::apply::simulate;
-use denavit_calibrate::identify::dh_form::dh_form;
-use denavit_calibrate::identify::proportion::can_be_identified;
 use denavit_calibrate::report;
+use denavit_identify::dh_form::dh_form;
+use denavit_identify::proportion::can_be_identified;
+use denavit_identify::simulate;
 use denavit_load::measured::freedom;
 
 /// Runs the command.

@@ -94,12 +94,7 @@ fn state(answer: &Answer, found: &Found) -> &'static str {
     }
 }
 
-fn csv(
-    solver: &Solver,
-    answers: &[Answer],
-    all: bool,
-    units: denavit_calibrate::observation::measurements::Units,
-) -> String {
+fn csv(solver: &Solver, answers: &[Answer], all: bool, units: denavit_measurements::Units) -> String {
     let chain = solver.chain();
     let mut text = format!("# {} → {}: {}\n", chain.base(), chain.tip(), solver.method());
     for answer in answers {

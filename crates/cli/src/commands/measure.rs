@@ -13,14 +13,12 @@ use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::apply::plan::PlanOptions;
 use denavit_calibrate::calibration::CalibrateError;
 use denavit_calibrate::calibration::monitor::{Monitor, MonitorOptions, RowStatus};
-use denavit_calibrate::identify::proportion::can_be_identified;
-use denavit_calibrate::observation::kinds::POSITION;
-use denavit_calibrate::observation::measurements::import::{ImportOptions, ImportProblem};
-use denavit_calibrate::observation::measurements::{
-    DataError, DataNote, MeasurementError, Measurements, Units, read_export,
-};
 use denavit_calibrate::report::monitor as report;
+use denavit_identify::proportion::can_be_identified;
 use denavit_load::measured::{corners, freedom};
+use denavit_measurements::import::{ImportOptions, ImportProblem};
+use denavit_measurements::kinds::ObservationKind;
+use denavit_measurements::{DataError, DataNote, MeasurementError, Measurements, Units, read_export};
 use denavit_model::Chain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
@@ -115,7 +113,7 @@ fn options(arguments: &MeasureArguments, chain: &Chain) -> Result<MonitorOptions
         spread: arguments.spread.into(),
         allowed: corners(&arguments.r#box)?,
         earlier,
-        ..PlanOptions::new(chain, 1, POSITION)
+        ..PlanOptions::new(chain, 1, ObservationKind::Position)
     };
     Ok(MonitorOptions { identify, plan })
 }

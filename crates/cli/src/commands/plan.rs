@@ -8,8 +8,8 @@ use crate::output::Status;
 use crate::progress::Spinner;
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
 use denavit_calibrate::calibration::{Calibration, calibrate};
-use denavit_calibrate::observation::measurements::Units;
 use denavit_load::measured::{Rows, RowsAsked, SearchAsked, corners, other_chains, rows, search};
+use denavit_measurements::Units;
 use denavit_model::Chain;
 use denavit_model::nalgebra::Vector3;
 

@@ -4,7 +4,7 @@ use crate::args::PlateArguments;
 use crate::failure::Failure;
 use crate::output::{self, Outputs, Slot, Status};
 use denavit_calibrate::apply::print_plate::PrintPlate;
-use denavit_calibrate::observation::plate::{Plate, PlateError};
+use denavit_measurements::plate::{Plate, PlateError};
 use denavit_model::Quantity;
 use denavit_model::units::Unit;
 use denavit_model::words::quoted;

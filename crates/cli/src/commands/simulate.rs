@@ -4,10 +4,10 @@ use crate::args::{SimulateArguments, numbers};
 use crate::failure::Failure;
 use crate::measured::{self, MeasuredRobot};
 use crate::output::{Outputs, Slot, Status};
-use denavit_calibrate::apply::simulate::effect_specification::EffectSpecification;
-use denavit_calibrate::apply::simulate::files::{FilesAsked, FilesError, files};
-use denavit_calibrate::apply::simulate::{SimulationOptions, commanded_readings};
-use denavit_calibrate::observation::kinds::PIXEL;
+use denavit_identify::simulate::effect_specification::EffectSpecification;
+use denavit_identify::simulate::files::{FilesAsked, FilesError, files};
+use denavit_identify::simulate::{SimulationOptions, commanded_readings};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -65,7 +65,7 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
             "--camera needs a board to see; give its squares by --board, such as 7x5:30mm".into(),
         ));
     }
-    let kind = if sight.is_some() { PIXEL } else { measured::kind(arguments.measure) };
+    let kind = if sight.is_some() { ObservationKind::Pixel } else { measured::kind(arguments.measure) };
     let tries = SimulationOptions { kind, ..SimulationOptions::default() }.tries();
     let readings = match &arguments.poses {
         Some(file) => measured::joint_values(file, chain, &arguments.units)?,

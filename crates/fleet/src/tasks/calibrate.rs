@@ -5,10 +5,10 @@ use crate::manifest::{Entry, PriorSource};
 use crate::store::table::Cell;
 use denavit_calibrate::calibration::contract::{CalibrationReport, EffectEntry, Stage};
 use denavit_calibrate::calibration::{HoldOut, calibrate};
-use denavit_calibrate::identify::information::Information;
-use denavit_calibrate::identify::proportion::can_be_identified;
-use denavit_calibrate::observation::measurements::Units;
+use denavit_identify::information::Information;
+use denavit_identify::proportion::can_be_identified;
 use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, other_chains, rows, search};
+use denavit_measurements::Units;
 use denavit_model::ChainJoint;
 
 pub(super) fn run(entry: &Entry) -> Result<Found, TaskError> {

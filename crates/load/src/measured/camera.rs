@@ -1,8 +1,8 @@
 //! A camera and the board that it sees, from a file and words.
 
 use super::MeasuredError;
-use denavit_calibrate::observation::board::{Board, Sight};
-use denavit_calibrate::observation::lens::Lens;
+use denavit_measurements::board::{Board, Sight};
+use denavit_measurements::lens::Lens;
 
 /// What is said of a camera: its file of intrinsics and the text of it, the board in words (`7x5:30mm`), and whether it
 /// sits on the hand.

@@ -80,8 +80,8 @@ mod tests {
     use super::*;
     use crate::measured::{DataFile, HashedFile, RowsAsked, rows};
     use denavit_calibrate::NoEffects;
-    use denavit_calibrate::apply::simulate::{SimulationOptions, simulate};
-    use denavit_calibrate::observation::measurements::write;
+    use denavit_identify::simulate::{SimulationOptions, simulate};
+    use denavit_measurements::write;
     use denavit_model::examples;
 
     #[test]

@@ -5,8 +5,8 @@ use super::content::Content;
 use super::distance::known_distance;
 use super::origin::{HashedFile, Hashing, origin};
 use denavit_calibrate::calibration::contract::Origin;
-use denavit_calibrate::observation::measurements::import::ImportOptions;
-use denavit_calibrate::observation::measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
+use denavit_measurements::import::ImportOptions;
+use denavit_measurements::{self, ColumnUse, Measurements, Units, label_of, read_socket};
 use denavit_model::Chain;
 use std::path::Path;
 
@@ -66,7 +66,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     let mut hashed = Vec::new();
     let mut read = |file: &DataFile| {
         let mut input = Hashing::of(file);
-        let loaded = measurements::read_export(&file.name, &mut input, chain, file.units, &file.import)?;
+        let loaded = denavit_measurements::read_export(&file.name, &mut input, chain, file.units, &file.import)?;
         hashed.push(input.finish()?);
         notes.extend(loaded.notes.iter().map(|note| format!("{}: {note}", file.name)));
         Ok::<_, MeasuredError>((loaded.data, loaded.columns))

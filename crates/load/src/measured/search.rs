@@ -3,13 +3,13 @@
 use super::{DataFile, MeasuredError};
 use crate::Loaded;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut};
-use denavit_calibrate::effects::catalogue::{KINDS, Kind};
-use denavit_calibrate::identify::posterior::{Earlier, KnownParameter};
-use denavit_calibrate::observation::parameters::is_zero;
-use denavit_calibrate::trace::TraceOptions;
-use denavit_calibrate::trace::infer::CurveOptions;
 use denavit_calibrate::{Freedom, IdentifyOptions, Measurements};
+use denavit_identify::effects::catalogue::{KINDS, Kind};
+use denavit_identify::parameters::is_zero;
+use denavit_identify::posterior::{Earlier, KnownParameter};
 use denavit_model::{Chain, Reading};
+use denavit_trace::TraceOptions;
+use denavit_trace::infer::CurveOptions;
 
 /// What a calibration is asked to fit and to look for.
 #[derive(Debug, Clone, Default, PartialEq)]

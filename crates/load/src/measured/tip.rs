@@ -1,10 +1,10 @@
 //! Effects and where the tip is: what they follow is bound to what is known, and which have no part in it.
 
 use super::MeasuredError;
-use denavit_calibrate::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, WARMTH, WOUND_UP};
-use denavit_calibrate::effects::{EffectModel, SavedEffects, recorded};
-use denavit_calibrate::observation::measurements::covariates::PAYLOAD;
-use denavit_calibrate::observation::measurements::{Covariate, Covariates};
+use denavit_identify::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, WARMTH, WOUND_UP};
+use denavit_identify::effects::{EffectModel, SavedEffects, recorded};
+use denavit_measurements::covariates::PAYLOAD;
+use denavit_measurements::{Covariate, Covariates};
 
 /// Whether everything is known that the effects with a part in where the tip is follow; `known` says so of a name.
 ///
@@ -56,7 +56,7 @@ pub fn with_given(
 pub fn without_part_in_the_tip(file: &str, effects: &SavedEffects) -> Vec<String> {
     let chain = &effects.statics.chain;
     let without = effects.effects.iter().filter(|effect| !effect.term.moves_the_tip());
-    let sentence = |effect: &denavit_calibrate::effects::Effect<_>| {
+    let sentence = |effect: &denavit_identify::effects::Effect<_>| {
         let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
         format!("{file}: {kind} at {place} changes what is measured, not where the tip is; left out")
     };

@@ -1,7 +1,7 @@
 //! What a robot and a plan must be within.
 
 use super::MeasuredError;
-use denavit_calibrate::identify::proportion::within_proportion;
+use denavit_identify::proportion::within_proportion;
 use denavit_model::Chain;
 use denavit_model::nalgebra::Point3;
 

@@ -1,14 +1,14 @@
 //! Commands for a list of poses in the order in which the robot takes them.
 
 use super::{Allowed, Command, Wanted, compensate};
-use crate::effects::approach::LEAST_MOVE;
-use crate::effects::driver::{Conditions, TIME};
-use crate::effects::history::{History, Move};
-use crate::effects::{SavedEffects, recorded};
-use crate::observation::measurements::covariates::PAYLOAD;
-use crate::observation::measurements::poses::Poses;
-use crate::observation::measurements::{Covariate, Covariates, MissingColumn};
+use denavit_identify::effects::approach::LEAST_MOVE;
+use denavit_identify::effects::driver::{Conditions, TIME};
+use denavit_identify::effects::history::{History, Move};
+use denavit_identify::effects::{SavedEffects, recorded};
 use denavit_ik::Solver;
+use denavit_measurements::covariates::PAYLOAD;
+use denavit_measurements::poses::Poses;
+use denavit_measurements::{Covariate, Covariates, MissingColumn};
 use denavit_model::Chain;
 
 /// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach, how far joints have

@@ -5,11 +5,11 @@
 //! at a time.
 
 use super::{Design, PlanError, PlanOptions, allowed, as_predicted, candidates};
-use crate::identify::residual::{ResidualModel, Scratch};
-use crate::identify::solve::Fit;
-use crate::observation::arm::Arm;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use denavit_identify::arm::Arm;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::{ResidualModel, Scratch};
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
 use denavit_model::Chain;
 use denavit_model::nalgebra::DMatrix;
 
@@ -40,7 +40,7 @@ pub fn within_limits(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64
     let anywhere = PlanOptions { allowed: None, ..options.clone() };
     let arm = Arm {
         targets: vec![denavit_model::Pose::identity()],
-        ..Arm::new(chain, &crate::observation::measurements::Scene::default())
+        ..Arm::new(chain, &denavit_measurements::Scene::default())
     };
     Ok(candidates(chain, options)?.into_iter().filter(|q| allowed(chain, &arm, q, &anywhere)).collect())
 }

@@ -14,11 +14,11 @@ mod written;
 
 use self::design::{Design, Offered, Separation};
 use super::{PlanError, PlanOptions, allowed, as_predicted, candidates};
-use crate::effects::driver::{RUN_ORDER, VELOCITY};
-use crate::effects::history::History;
-use crate::observation::measurements::{Covariate, Covariates, Measurements};
-use crate::trace::infer::hypotheses::{Approached, Cause, Hypotheses, Hypothesis, Open};
+use denavit_identify::effects::driver::{RUN_ORDER, VELOCITY};
+use denavit_identify::effects::history::History;
+use denavit_measurements::{Covariate, Covariates, Measurements};
 use denavit_model::Chain;
+use denavit_trace::infer::hypotheses::{Approached, Cause, Hypotheses, Hypothesis, Open};
 use serde::Serialize;
 
 /// Joints whose side of approach is offered both ways, at most: each doubles the candidates.

@@ -1,8 +1,8 @@
 //! A plan as CSV for the robot, as text and as JSON.
 
 use super::Plan;
-use crate::observation::kinds::ObservationKind;
-use crate::observation::measurements::Units;
+use denavit_measurements::Units;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;
 use serde_json::json;
 use std::fmt::Write;

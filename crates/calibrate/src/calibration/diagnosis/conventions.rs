@@ -6,8 +6,8 @@
 //! How far the target turned between two rows does not depend on where instrument and target sit, so every convention is tried on
 //! the angles as they are written, without any fit.
 
-use crate::observation::measurements::Measurements;
-use crate::observation::measurements::import::AngleConvention;
+use denavit_measurements::Measurements;
+use denavit_measurements::import::AngleConvention;
 use denavit_model::Chain;
 use denavit_model::nalgebra::{Rotation3, UnitQuaternion};
 use std::f64::consts::PI;

@@ -1,10 +1,10 @@
 //! How much of the variation of what was measured the fitted robot explains: a small error may still be all that there was to explain.
 
-use crate::identify::residual_statistics::each_residual;
-use crate::identify::solve::Fit;
-use crate::observation::kinds::Frame;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual_statistics::each_residual;
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
+use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
@@ -124,7 +124,7 @@ pub fn explained(fit: &Fit<NoEffects>, data: &Measurements) -> Vec<Explained> {
             own.turned[1].push(drawn);
         }
     }
-    let of_channel = |(channel, part): (usize, &crate::observation::kinds::Part)| {
+    let of_channel = |(channel, part): (usize, &denavit_measurements::kinds::Part)| {
         let places: Vec<&Series> = scene
             .series
             .iter()

@@ -1,9 +1,9 @@
 //! What people get wrong when they write a measurement file, and how each is undone.
 
 use super::conventions::{self, Meant};
-use crate::observation::kinds::{ObservationKind, POSE, POSITION};
-use crate::observation::measurements::Measurements;
-use crate::observation::measurements::import::AngleConvention;
+use denavit_measurements::Measurements;
+use denavit_measurements::import::AngleConvention;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use denavit_model::{Chain, Quantity};
 use std::f64::consts::PI;
@@ -257,7 +257,7 @@ impl Mistake {
             Self::Angles { convention, inverse, factor } => turned(&mut altered, (*convention, *inverse, *factor))?,
             Self::Quaternion(slip) => {
                 for observation in 0..altered.observations() {
-                    if altered.series_of(observation).kind != POSE {
+                    if altered.series_of(observation).kind != ObservationKind::Pose {
                         continue;
                     }
                     // x, y, z and the rotation matrix column by column.
@@ -311,7 +311,7 @@ fn turned(data: &mut Measurements, meant: Meant) -> Option<()> {
     for row in 0..data.len() {
         let rotation = conventions::rotation(meant, written.by_axis, written.numbers[row]);
         for observation in data.of_row(row) {
-            if data.series_of(observation).kind == POSE {
+            if data.series_of(observation).kind == ObservationKind::Pose {
                 data.observed.values_mut(observation)[3..12].copy_from_slice(rotation.matrix().as_slice());
             }
         }
@@ -342,7 +342,7 @@ const LENGTH_FACTORS: [(f64, &str); 6] =
 
 /// Whether the first three values of an observation are a place.
 fn places(kind: ObservationKind) -> bool {
-    kind == POSE || kind == POSITION
+    kind == ObservationKind::Pose || kind == ObservationKind::Position
 }
 
 fn each_row(data: &mut Measurements, n: usize, mut change: impl FnMut(&mut [f64])) {
@@ -373,7 +373,7 @@ pub(super) fn likely(chain: &Chain, data: &Measurements, other_chains: &[Chain])
             all.extend([true, false].map(|plus| Mistake::Coupled { of: name(of), by: name(by), plus }));
         }
     }
-    if data.scene.series.iter().any(|series| series.kind == POSE) {
+    if data.scene.series.iter().any(|series| series.kind == ObservationKind::Pose) {
         use QuaternionSlip::{Inverse, ScalarFirst, ScalarFirstInverse};
         all.extend([ScalarFirst, Inverse, ScalarFirstInverse].map(Mistake::Quaternion));
     }

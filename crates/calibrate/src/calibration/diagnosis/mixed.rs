@@ -4,12 +4,12 @@
 //! Random sample consensus: Fischler, Bolles 1981.
 
 use super::{misfit, size_of};
-use crate::identify::initial_guess::nominal_fit;
-use crate::identify::residual_statistics::residuals;
-use crate::identify::solve::{Fit, FitOptions};
-use crate::identify::{IdentifyOptions, identify};
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use denavit_identify::initial_guess::nominal_fit;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual_statistics::residuals;
+use denavit_identify::solve::{Fit, FitOptions};
+use denavit_identify::{IdentifyOptions, identify};
+use denavit_measurements::Measurements;
 use denavit_model::Chain;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -136,7 +136,7 @@ fn near(chain: &Chain, data: &Measurements, rows: &[usize], placing: &[usize]) -
     let some = data.subset(placing);
     let options = FitOptions { robust: false, most_iterations: 20, ..FitOptions::default() };
     let fit = nominal_fit(chain, &some, &vec![1.0; some.observations()], &options);
-    let off = |residual: &crate::identify::residual_statistics::Residual| {
+    let off = |residual: &denavit_identify::residual_statistics::Residual| {
         residual.place.norm() / chain.size() + residual.turn.norm()
     };
     let mut far = vec![false; data.len()];

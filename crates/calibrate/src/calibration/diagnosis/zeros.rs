@@ -7,7 +7,7 @@
 //! that is unknown: zeros are scanned, targets follow by least squares, and the best are refined together.
 
 use super::{ITERATIONS_TO_TRY, nominal_misfit, size_of};
-use crate::observation::measurements::Measurements;
+use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3};
 use denavit_model::{Chain, Pose, Quantity};
 use std::f64::consts::{PI, TAU};

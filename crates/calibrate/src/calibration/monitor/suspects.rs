@@ -3,12 +3,12 @@
 //! chance leaves.
 
 use super::{Prediction, quantile};
-use crate::identify::residual::{ResidualModel, Scratch};
-use crate::identify::solve::Fit;
-use crate::observation::arm::Arm;
-use crate::observation::kinds::Frame;
-use crate::observation::measurements::Measurements;
-use crate::observation::parameters::NoEffects;
+use denavit_identify::arm::Arm;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::{ResidualModel, Scratch};
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
+use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn, Rotation3, Vector3, Vector6};
 use denavit_model::{Quantity, se3};
 

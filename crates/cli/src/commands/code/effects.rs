@@ -1,18 +1,18 @@
 //! Effects of a calibration as the code has them.
 
 use crate::failure::Failure;
-use denavit_calibrate::effects::averaged::{Averaged, FAR_MORE};
-use denavit_calibrate::effects::carrier::Action;
-use denavit_calibrate::effects::curve::Waves;
-use denavit_calibrate::effects::driver::{
-    APPROACH, APPROACH_FROM_ROWS, BumpShape, Conditions, RUN_ORDER, Statics, TWIST_TO_BEND, unit_of,
-};
-use denavit_calibrate::effects::{Coupling, Driver, Effect, EffectModel, SavedEffects, Term, recorded};
-use denavit_calibrate::observation::arm::AxisBasis;
-use denavit_calibrate::observation::measurements::covariates::PAYLOAD;
 use denavit_code::effects as code;
 use denavit_code::effects::Input;
+use denavit_identify::arm::AxisBasis;
+use denavit_identify::effects::averaged::{Averaged, FAR_MORE};
+use denavit_identify::effects::carrier::Action;
+use denavit_identify::effects::curve::Waves;
+use denavit_identify::effects::driver::{
+    APPROACH, APPROACH_FROM_ROWS, BumpShape, Conditions, RUN_ORDER, Statics, TWIST_TO_BEND, unit_of,
+};
+use denavit_identify::effects::{Coupling, Driver, Effect, EffectModel, SavedEffects, Term, recorded};
 use denavit_load::measured::with_given;
+use denavit_measurements::covariates::PAYLOAD;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, ChainJoint, Pose};
 use std::convert::Infallible;
@@ -239,7 +239,7 @@ fn driver(statics: &Statics, driver: &Driver<Input>) -> code::Driver {
 
 fn blended(averaged: &Averaged) -> code::Averaged {
     let (known, tip) = (&averaged.known, &averaged.known.tips[0]);
-    let spread = |spread: &denavit_calibrate::effects::averaged::Spread| code::Spread {
+    let spread = |spread: &denavit_identify::effects::averaged::Spread| code::Spread {
         kept: spread.kept.clone(),
         covariance: spread.covariance.clone(),
     };

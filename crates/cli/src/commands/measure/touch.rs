@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::measured;
 use crate::output::{self, Outputs};
-use denavit_calibrate::observation::measurements::Units;
-use denavit_calibrate::observation::plate::Plate;
+use denavit_measurements::Units;
+use denavit_measurements::plate::Plate;
 use denavit_model::{Chain, Quantity};
 use std::fmt::Write as _;
 use std::io::{self, BufRead as _};

@@ -5,8 +5,8 @@
 //! its expected values are what is measured, the differences r of what a expects and what b expects then sum to the
 //! noncentrality d² of b's lack of fit: d² = Σ r²/(1 + v).
 
-use crate::trace::infer::hypotheses::{Hypotheses, Predicted};
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use denavit_trace::infer::hypotheses::{Hypotheses, Predicted};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! What the poses are for, and the poses, as text, CSV and JSON.
 
 use super::{Pair, Possible, Prospect, TellApart, Unsure};
-use crate::observation::measurements::Units;
+use denavit_measurements::Units;
 use denavit_model::Chain;
 use serde_json::json;
 use std::fmt::Write;

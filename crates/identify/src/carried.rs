@@ -1,0 +1,411 @@
+//! Effects and error curves of an earlier calibration on new rows: those that can go on do, and each only as long as the rows do not
+//! speak against it.
+//!
+//! Axes, coefficients and the modes of the curves have the earlier posterior as their joint prior. What the rows say of a part
+//! (an effect, a curve, what a joint gives under gravity) is the probability of the rows with it against that without it: a part is
+//! left out where the rows are twenty times as probable without it, and as many times more as there are parts that chance may speak
+//! against. The axes count with a weight as they do without effects, see
+//! [`crate::identification::IdentifyOptions::earlier`].
+
+use crate::arm::Arm;
+use crate::continued::{CONTRADICTED, WEIGHTS, borne_out, log_evidence};
+use crate::effects::catalogue::Kind;
+use crate::effects::curve::Curve;
+use crate::effects::curve_modes::{CurveModes, Varying};
+use crate::effects::driver::{RUN_ORDER, Statics};
+use crate::effects::history::{History, Pace};
+use crate::effects::model::{Effect, EffectModel};
+use crate::effects_prior::EffectsPrior;
+use crate::identification::{Identification, IdentifyOptions, fit_stage};
+use crate::known_effects::KnownEffects;
+use crate::parameters::{Effects as _, Layout, NoEffects};
+use crate::posterior::{Earlier, expecting};
+use crate::solve::{Fit, FitOptions, fit};
+use denavit_measurements::Measurements;
+use denavit_model::nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Rows by which the parts are judged, at most, spread over the run: more would say the same at more time.
+const MOST_ROWS: usize = 300;
+
+/// What becomes of a part of an earlier model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartState {
+    /// It goes on.
+    Kept,
+    /// The new rows speak against it.
+    Contradicted,
+    /// It was a drift of the earlier run.
+    OfThatRun,
+    /// It was of the instrument or the target, which are placed anew.
+    OfThatSetup,
+    /// The new rows lack a column that it follows.
+    NoColumn,
+}
+
+/// A part of an earlier model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CarriedPart {
+    /// `error_curve`, `gravity` or the kind of an effect.
+    pub kind: &'static str,
+    /// Where it acts.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// What became of it.
+    pub state: PartState,
+    /// The column that is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
+    /// By how much it raises the logarithm of the new rows' probability: below 0 where it was left out. `null` where it was not tried.
+    pub log_evidence: Option<f64>,
+}
+
+/// An earlier model on new rows.
+#[derive(Debug, Clone)]
+pub struct Carried {
+    /// All of it that can act in these rows, as it was left, instrument and targets placed anew.
+    pub earlier: Fit<EffectModel>,
+    /// Of that.
+    pub earlier_gains: Gains,
+    /// Axes, coefficients and curves brought up to date, without what the rows speak against.
+    pub updated: Fit<EffectModel>,
+    /// How its curves are unsure.
+    pub updated_modes: CurveModes,
+    /// Of that.
+    pub updated_gains: Gains,
+    /// What is known of the axes counts for so much, from 0 to 1.
+    pub weight: f64,
+    /// The parts, in the earlier order: effects, then curves.
+    pub parts: Vec<CarriedPart>,
+}
+
+/// By how much parts of a model raise the logarithm of the rows' probability.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gains {
+    /// What joints give under gravity: the last effects of the model.
+    pub fields: Vec<f64>,
+    /// The error curves.
+    pub curves: Vec<f64>,
+}
+
+/// What acts in the rows: the effects bound to their columns, and where their coefficients stand in the earlier order.
+struct Usable {
+    statics: Statics,
+    effects: Vec<(Effect, Range<usize>)>,
+    curves: Vec<AbleCurve>,
+}
+
+/// A curve with its modes, and where their numbers stand in the earlier order.
+struct AbleCurve {
+    curve: Curve,
+    modes: Vec<Vec<f64>>,
+    places: Range<usize>,
+}
+
+impl Usable {
+    fn parts(&self) -> usize {
+        self.effects.len() + self.curves.len()
+    }
+
+    /// The model of these parts, and the places of its coefficients and modes in the earlier order.
+    fn model(&self, kept: &[bool]) -> (Varying, Vec<usize>) {
+        let (of_effects, of_curves) = kept.split_at(self.effects.len());
+        let chosen: Vec<_> =
+            self.effects.iter().zip(of_effects).filter(|(_, kept)| **kept).map(|(own, _)| own).collect();
+        let curves: Vec<_> = self.curves.iter().zip(of_curves).filter(|(_, kept)| **kept).map(|(own, _)| own).collect();
+        let effects = chosen.iter().map(|(effect, _)| effect.clone()).collect();
+        let mut model = EffectModel::new(self.statics.clone(), effects);
+        model.curves = curves.iter().map(|own| own.curve.clone()).collect();
+        let shapes: Vec<&[Vec<f64>]> = curves.iter().map(|own| &own.modes[..]).collect();
+        let places = chosen.iter().map(|(_, places)| places).chain(curves.iter().map(|own| &own.places));
+        (Varying::new(model, &shapes), places.flat_map(Clone::clone).collect())
+    }
+}
+
+/// The rows that judge, and how they are fitted.
+struct Judge<'a> {
+    data: &'a Measurements,
+    start: &'a Arm,
+    weights: &'a [f64],
+    options: &'a IdentifyOptions,
+    earlier: &'a Earlier,
+    usable: &'a Usable,
+}
+
+impl Judge<'_> {
+    fn fitted(&self, kept: &[bool], weight: f64, robust: bool) -> Fit<Varying> {
+        let (model, numbers) = self.usable.model(kept);
+        let options = self.options;
+        let counted = self.earlier.counted(weight);
+        let chain = &self.start.nominal;
+        let layout = Layout::new(chain, &self.data.scene, &options.freedom, &options.tolerances, model.parameters());
+        let mut layout = expecting(layout, Some(&counted));
+        layout.effects_prior = counted.of_effects(&layout, &numbers, model.numbers(), 0);
+        fit(self.data, &layout, self.start, &model, self.weights, &FitOptions { robust, ..options.fit })
+    }
+
+    /// A fit with its curves as they came to vary, and how they are unsure after it.
+    fn with_updated_curves(&self, kept: &[bool], weight: f64, varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
+        let model = varying.effects.updated();
+        let coefficients = model.numbers();
+        let end = varying.layout.effects.start + coefficients.len();
+        let modes: Vec<usize> = (end..varying.layout.effects.end).collect();
+        let others: Vec<usize> = (0..varying.layout.len()).filter(|index| !modes.contains(index)).collect();
+        let of_curves = kept[self.usable.effects.len()..].iter().zip(&self.usable.curves).filter(|(kept, _)| **kept);
+        let unsure = CurveModes {
+            shapes: of_curves.map(|(_, own)| own.modes.clone()).collect(),
+            covariance: varying.covariance.select_rows(&modes).select_columns(&modes),
+            cross: varying.covariance.select_rows(&modes).select_columns(&others),
+        };
+        let mut layout = varying.layout.with_effects(model.parameters());
+        let places = &self.usable.model(kept).1[..coefficients.len()];
+        // What was expected of the coefficients, whatever the curves are.
+        let before = self.usable.model(kept).0.numbers()[..coefficients.len()].to_vec();
+        layout.effects_prior = self.earlier.counted(weight).of_effects(&layout, places, before, 0);
+        let fit = Fit {
+            arm: varying.arm,
+            effects: model,
+            layout,
+            noise: varying.noise,
+            weights: varying.weights,
+            squares: varying.squares,
+            covariance: varying.covariance.select_rows(&others).select_columns(&others),
+            parameters_used: varying.parameters_used,
+            values: varying.values,
+            iterations: varying.iterations,
+            jacobians: varying.jacobians,
+            converged: varying.converged,
+            unfinished: varying.unfinished,
+        };
+        (fit, unsure)
+    }
+
+    fn evidence(&self, kept: &[bool], weight: f64) -> f64 {
+        let fit = self.fitted(kept, weight, false);
+        if fit.converged_or_exact() { log_evidence(self.data, &fit) } else { f64::NEG_INFINITY }
+    }
+
+    /// The weight of the axes beside these parts, and the logarithm of the rows' probability.
+    fn weighted(&self, kept: &[bool]) -> (f64, f64) {
+        borne_out(&WEIGHTS.map(|weight| (weight, self.evidence(kept, weight))))
+    }
+
+    /// The parts that the rows do not speak against, and the weight of the axes beside them.
+    fn parts(&self) -> (Vec<bool>, f64) {
+        let contradicted = CONTRADICTED + (self.usable.parts().max(1) as f64).ln();
+        let all = vec![true; self.usable.parts()];
+        let (mut kept, (mut weight, mut reached)) = (all.clone(), self.weighted(&all));
+        for _ in 0..2 * kept.len() {
+            let changed = |part: usize| {
+                let mut tried = kept.clone();
+                tried[part] = !tried[part];
+                tried
+            };
+            // What was left out comes back where it is no longer spoken against.
+            let least = |part: usize| if kept[part] { contradicted } else { 0.0 };
+            let gain = |part: usize| (self.evidence(&changed(part), weight) - reached - least(part), part);
+            let best = (0..kept.len()).map(gain).max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, part)) = best.filter(|(gain, _)| *gain > 0.0) else { break };
+            kept = changed(part);
+            (weight, reached) = self.weighted(&kept);
+        }
+        // Where many parts are wrong at once, none of them need be missed alone.
+        let none = vec![false; kept.len()];
+        let without = self.weighted(&none);
+        if without.1 > reached + CONTRADICTED { (none, without.0) } else { (kept, weight) }
+    }
+}
+
+/// Carries the earlier effects and curves over to these rows; `None` where the earlier calibration has none.
+pub fn carried(data: &Measurements, identification: &Identification, options: &IdentifyOptions) -> Option<Carried> {
+    let (earlier, placed) = (options.earlier.as_ref()?, identification.earlier.as_ref()?);
+    let known = earlier.effects.as_ref()?;
+    let geometric = &identification.geometric;
+    let options = options.for_data(&geometric.arm.nominal, data);
+    let (usable, mut parts, indices) = usable(known, data);
+    let all = vec![true; usable.parts()];
+    let (whole, places) = usable.model(&all);
+    let whole = Arc::new(whole.updated());
+    let held = EffectModel::beside(&usable.statics, Some(&whole));
+    let plain = FitOptions { robust: false, ..options.fit };
+    let anew = fit(data, &identification.nominal.layout, &placed.fit.arm, &held, &geometric.weights, &plain);
+    let std: Vec<f64> = places[..whole.numbers().len()].iter().map(|&index| known.std[index]).collect();
+
+    let few = (data.len() > MOST_ROWS).then(|| data.subset(&data.evenly_spread(MOST_ROWS)));
+    let some = few.as_ref().unwrap_or(data);
+    // Which rows are gross outliers is decided without the earlier calibration, which cannot then reject what contradicts it.
+    let by_itself = IdentifyOptions { earlier: Some(earlier.counted(0.0)), ..options.clone() };
+    let ones = vec![1.0; some.observations()];
+    let alone = fit_stage(some, &geometric.arm, &NoEffects, &ones, &by_itself);
+    let judge =
+        Judge { data: some, start: &anew.arm, weights: &alone.weights, options: &options, earlier, usable: &usable };
+    let (kept, weight) = judge.parts();
+    let reached = judge.evidence(&kept, weight);
+    let gain = |part: usize| {
+        let mut other = kept.clone();
+        other[part] = !other[part];
+        let other = judge.evidence(&other, weight);
+        if kept[part] { reached - other } else { other - reached }
+    };
+    let gains: Vec<f64> = (0..kept.len()).map(gain).collect();
+    for ((index, kept), gain) in indices.iter().zip(&kept).zip(&gains) {
+        parts[*index].state = if *kept { PartState::Kept } else { PartState::Contradicted };
+        parts[*index].log_evidence = Some(*gain);
+    }
+    let ones = vec![1.0; data.observations()];
+    let judge = Judge { data, weights: &ones, ..judge };
+    let (updated, updated_modes) =
+        judge.with_updated_curves(&kept, weight, judge.fitted(&kept, weight, options.fit.robust));
+    let first_field = known.model.effects.len() - known.fields;
+    let gains_of = |wanted: &[bool]| {
+        let of = |part: &usize| wanted[*part];
+        let fields = (0..usable.effects.len()).filter(|part| indices[*part] >= first_field).filter(of);
+        let curves = (usable.effects.len()..usable.parts()).filter(of);
+        Gains { fields: fields.map(|part| gains[part]).collect(), curves: curves.map(|part| gains[part]).collect() }
+    };
+    Some(Carried {
+        earlier: put_together(&anew, 0, &whole, &std),
+        earlier_gains: gains_of(&all),
+        updated,
+        updated_modes,
+        updated_gains: gains_of(&kept),
+        weight,
+        parts,
+    })
+}
+
+/// A fit beside a model that was held, with that in it: the last `fields` of its own effects come last, those that were held before them.
+/// What was held has its standard deviations, and no correlation with the rest.
+fn put_together(fit: &Fit<EffectModel>, fields: usize, held: &EffectModel, std: &[f64]) -> Fit<EffectModel> {
+    let own = &fit.effects;
+    let first = own.effects.len() - fields;
+    let mut model = EffectModel::new(own.statics.clone(), own.effects[..first].to_vec());
+    let before = model.numbers().len();
+    model.effects.extend(held.effects.iter().cloned());
+    model.effects.extend(own.effects[first..].iter().cloned());
+    model.curves = own.curves.iter().chain(&held.curves).cloned().collect();
+    let mut layout = fit.layout.with_effects(model.parameters());
+    let (at, more) = (layout.effects.start + before, std.len());
+    let of_held = EffectsPrior::held(before, DVector::from_vec(held.numbers()), std, layout.joints.len());
+    layout.effects_prior = (more > 0).then_some(of_held);
+    let own_place = |index: usize| if index < at { Some(index) } else { index.checked_sub(at + more).map(|k| k + at) };
+    let covariance = DMatrix::from_fn(layout.len(), layout.len(), |i, k| match (own_place(i), own_place(k)) {
+        (Some(i), Some(k)) => fit.covariance[(i, k)],
+        (None, None) if i == k => std[i - at].powi(2),
+        _ => 0.0,
+    });
+    Fit { effects: model, layout, covariance, ..fit.clone() }
+}
+
+/// What can act in these rows; all parts; and which of those each of the first is.
+fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart>, Vec<usize>) {
+    let model = &known.model;
+    let chain = &model.statics.chain;
+    let (mut usable, mut parts, mut indices) =
+        (Usable { statics: model.statics.clone(), effects: Vec::new(), curves: Vec::new() }, Vec::new(), Vec::new());
+    let first_field = model.effects.len() - known.fields;
+    let mut end = 0;
+    for (index, effect) in model.effects.iter().enumerate() {
+        let places = end..end + effect.coefficients.len();
+        end = places.end;
+        let term = &effect.term;
+        let mut part = CarriedPart {
+            kind: match term.kind {
+                Kind::JointCompliance if index >= first_field => "gravity",
+                kind => kind.name(),
+            },
+            place: term.carrier.place(chain),
+            state: PartState::Kept,
+            column: None,
+            log_evidence: None,
+        };
+        let bound = model.bound_effect(effect, &|name| data.column(name));
+        // How long a row takes is another matter in another run.
+        let by_rows = |name: &String| {
+            let pace = History::of_column(name).map(|(_, told)| told);
+            *name == RUN_ORDER || matches!(pace, Some(History::Warmth { pace: Pace::Rows, .. }))
+        };
+        if term.kind == Kind::Drift || term.driver.columns().into_iter().any(by_rows) {
+            part.state = PartState::OfThatRun;
+        } else if !term.moves_the_tip() {
+            part.state = PartState::OfThatSetup;
+        } else {
+            match bound {
+                Ok(effect) => {
+                    usable.effects.push((effect, places));
+                    indices.push(index);
+                }
+                Err(missing) => {
+                    part.state = PartState::NoColumn;
+                    part.column = Some(missing.column().into());
+                }
+            }
+        }
+        parts.push(part);
+    }
+    for (curve, modes) in model.curves.iter().zip(&known.modes) {
+        let places = end..end + modes.len();
+        end = places.end;
+        usable.curves.push(AbleCurve { curve: curve.clone(), modes: modes.clone(), places });
+        indices.push(parts.len());
+        parts.push(CarriedPart {
+            kind: "error_curve",
+            place: chain.joints()[curve.joint].name.clone(),
+            state: PartState::Kept,
+            column: None,
+            log_evidence: None,
+        });
+    }
+    (usable, parts, indices)
+}
+
+impl Carried {
+    /// The updated model as what acts beside whatever is looked for next.
+    pub fn beside(&self) -> Arc<EffectModel> {
+        Arc::new(self.updated.effects.clone())
+    }
+
+    /// The updated fit as one of geometry alone, the effects being beside it.
+    pub fn geometry(&self) -> Fit<NoEffects> {
+        let fit = &self.updated;
+        let effects = &fit.layout.effects;
+        let kept: Vec<usize> = (0..fit.layout.len()).filter(|index| !effects.contains(index)).collect();
+        Fit {
+            arm: fit.arm.clone(),
+            effects: NoEffects,
+            layout: fit.layout.with_effects(Vec::new()),
+            noise: fit.noise.clone(),
+            weights: fit.weights.clone(),
+            squares: fit.squares.clone(),
+            covariance: fit.covariance.select_rows(&kept).select_columns(&kept),
+            parameters_used: fit.parameters_used.clone(),
+            values: fit.values.clone(),
+            iterations: fit.iterations,
+            jacobians: fit.jacobians,
+            converged: fit.converged,
+            unfinished: fit.unfinished.clone(),
+        }
+    }
+
+    /// A fit beside the updated model with that in it: the last `fields` of its own effects come last. And how its curves are unsure.
+    pub fn with(&self, fit: &Fit<EffectModel>, fields: usize, modes: &CurveModes) -> (Fit<EffectModel>, CurveModes) {
+        let held = &self.updated;
+        let std: Vec<f64> = held.layout.effects.clone().map(|index| held.deviation(index)).collect();
+        let whole = put_together(fit, fields, &held.effects, &std);
+        // What was held has no correlation with the rest: only its modes are taken over.
+        let own = fit.effects.effects.len() - fields;
+        let before: usize = fit.effects.effects[..own].iter().map(|effect| effect.coefficients.len()).sum();
+        let at = fit.layout.effects.start + before;
+        let places: Vec<usize> =
+            (0..fit.layout.len()).map(|index| if index < at { index } else { index + std.len() }).collect();
+        let more = CurveModes {
+            cross: DMatrix::zeros(self.updated_modes.covariance.nrows(), 0),
+            ..self.updated_modes.clone()
+        };
+        let modes = modes.with(&places, &more, &[], whole.layout.len());
+        (whole, modes)
+    }
+}

@@ -1,0 +1,29 @@
+//! What effects follow, by the names under which people give it.
+
+use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER, TIME};
+use crate::effects::history::History;
+use denavit_measurements::Covariate;
+
+/// The name under which a person gives a quantity: a side of approach is one, whether a file gives it or the order of rows.
+pub fn plain(name: &str) -> String {
+    name.strip_suffix(APPROACH_FROM_ROWS).map_or_else(|| name.to_owned(), |joint| format!("{joint}{APPROACH}"))
+}
+
+/// A quantity's value among those given under plain names.
+pub fn given(values: &[(String, f64)], name: &str) -> Option<f64> {
+    let name = plain(name);
+    values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+}
+
+/// Whether the order of rows or of commands tells a quantity: from which side a joint came, how far it has wound itself up, how warm it
+/// has become.
+pub fn told_by_order(name: &str) -> bool {
+    History::of_column(name).is_some()
+}
+
+/// Whether a run with these columns gives a quantity: as a column, or by the order of its rows.
+pub fn given_by_run(name: &str, columns: &[Covariate]) -> bool {
+    let given = |name: &str| columns.iter().any(|column| column.name == name);
+    let told = History::of_column(name).filter(|_| !name.ends_with(APPROACH));
+    name == RUN_ORDER || told.is_some_and(|(_, told)| !told.needs_a_clock() || given(TIME)) || given(name)
+}

@@ -1,0 +1,558 @@
+//! Where the noise of a fit comes from: the instrument (alike in all directions, along its line of sight, across it, of orientations) and
+//! how well each joint comes back to its reading.
+//!
+//! The residuals of a row have the covariance
+//!
+//! ```text
+//! V = σ² I + ω² I (of orientations) + range² u uᵀ + angle² d² (I - u uᵀ) + Σ_j ρ_j² J_j J_jᵀ
+//! ```
+//! with u and d direction and distance of the target as seen from the origin of the instrument's frame and J_j the motion of the values per
+//! unit of coordinate j. The variances are estimated together by restricted maximum likelihood ([`reml`]). A source is *claimed* where
+//! the likelihood without it, all others free, is too much smaller: the ratio is then half a χ² of one degree of freedom, for a variance is
+//! not below 0 (Self and Liang, Journal of the American Statistical Association 82 (1987), 605), and is asked for as many sources as were tried
+//! (Bonferroni). Positions may hang together with orientations (`lever`). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
+//! make a normal likelihood too sure: ratios are divided by the variance of the rows' own scores over that of normal ones, where it is
+//! larger.
+
+mod lever;
+pub mod reml;
+mod rows;
+
+use self::lever::Arms;
+pub use self::lever::Lever;
+use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
+pub use self::rows::HeldCurve;
+use self::rows::Prepared;
+use crate::parameters::Effects;
+use crate::solve::Fit;
+use crate::symmetric;
+use denavit_linear::threads::each_alone;
+use denavit_measurements::Measurements;
+use denavit_model::nalgebra::{DMatrix, Vector3};
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use std::borrow::Cow;
+
+/// Of clean files so many may show a source that is not there. The ratio is half a χ² in the limit of many rows; of files of a hundred
+/// rows, some three times as many show one, and one in a hundred is what may.
+const FALSE_CLAIMS: f64 = 0.003;
+/// What the deviance rises by at the ends of an interval that covers 95 %: of χ² with one degree of freedom.
+const AT_THE_ENDS: f64 = 3.841_458_820_694_124;
+/// The same at a bound that covers 95 % by itself.
+const AT_THE_BOUND: f64 = 2.705_543_454_095_404;
+/// Values beyond the free numbers that it takes, for each source, to tell them apart.
+const VALUES_PER_SOURCE: f64 = 3.0;
+/// An interval's end is found to this share of it.
+const END: f64 = 5e-3;
+/// So near an end, in roots of the deviance, what a Newton step leaves is less than [`END`].
+const NEARLY: f64 = 0.1;
+/// Where likelihoods are compared they may be wrong by as much of the deviance.
+const GOOD: f64 = 1e-3;
+/// A source whose size, squared, is less than this many times its variance goes for nothing: one in a hundred that are not there has more.
+const FOR_NOTHING: f64 = 6.0;
+/// Turns of variances and lever.
+const MOST_TURNS: usize = 20;
+/// Evaluations for an end.
+const MOST_TRIALS: usize = 40;
+/// Noise below this share of the robot's size (and rad) is rounding, and has no sources.
+const EXACT: f64 = 1e-9;
+/// A source that could be this many times the whole noise is not identifiable.
+const NOT_TOLD: f64 = 1e4;
+/// Chance of neighbours in the run that hang together so much, where none do.
+const FALSE_ORDER: f64 = 0.01;
+
+/// Where a source acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// In every value of a channel alike.
+    Level(usize),
+    /// Along the instrument's line of sight.
+    Range,
+    /// Across it, growing with the distance.
+    Angle,
+    /// In the value of a joint's coordinate.
+    Joint(usize),
+}
+
+/// A source of noise, and the size at which it alone would make all of it.
+#[derive(Debug, Clone, PartialEq)]
+struct Source {
+    place: Place,
+    name: String,
+    unit: &'static str,
+    /// In the unit.
+    unit_size: f64,
+}
+
+/// What the noise of a fit is made of.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseModel {
+    /// Rows that it was estimated from.
+    pub rows: usize,
+    /// Rows that were fitted; where they are more, every so many were left out for the sake of time.
+    pub of_rows: usize,
+    /// The sources that were tried.
+    pub components: Vec<Component>,
+    /// How the noise of positions hangs together with that of orientations; left out where it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lever: Option<Lever>,
+    /// Whether neighbours in the run hang together; left out where there are too few.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run_order: Option<RunOrder>,
+    /// Fourth moment of the whitened residuals over the square of the second: 3 for a normal distribution, more with heavy tails.
+    pub kurtosis: f64,
+}
+
+/// A source of noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Component {
+    /// What it is, such as `position`, `range`, `angle` or `repeatability`.
+    pub name: Cow<'static, str>,
+    /// The joint that it is of, for `repeatability`; left out where it is all joints' together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// `m` or `rad`.
+    pub unit: &'static str,
+    /// Standard deviation, in the unit.
+    pub value: f64,
+    /// Lower end of the interval that covers the true value with 95 %; 0 for what is not claimed.
+    pub low: f64,
+    /// Upper end; for what is not claimed the bound that the true value is below with 95 %. Absent where the data do not tell any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
+    /// Whether the data bear it out.
+    pub claimed: bool,
+    /// Probability of such data without it, before it is asked how many sources were tried; absent where it was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_value: Option<f64>,
+}
+
+/// Correlation of the residuals of rows that were measured one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RunOrder {
+    /// Autocorrelation of lag 1, -1 to 1, of the residuals in units of their covariance.
+    pub lag_1: f64,
+    /// Lower end of the interval that covers it with 95 %.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Probability of as much where rows are independent.
+    pub p_value: f64,
+    /// Whether that is too little for chance.
+    pub claimed: bool,
+}
+
+/// What the noise of a fit is made of; `None` where there is none beyond rounding, or too few values to tell.
+///
+/// # Shape and units
+/// `curves`: the error curves that the fit holds beside its free numbers.
+pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_>]) -> Option<NoiseModel> {
+    let size = fit.arm.nominal.size();
+    let exact = |(part, level): (&denavit_measurements::kinds::Part, &f64)| {
+        *level <= EXACT * if part.unit == "m" { size } else { 1.0 }
+    };
+    if data.scene.channels.iter().zip(&fit.noise.levels).any(exact) || fit.assumed_degrees() > 0.0 {
+        return None;
+    }
+    let prepared = rows::prepared(fit, data, curves)?;
+    let (mut judged, variances) = judge(&prepared.reml, &prepared.sources)?;
+    if let Some(with) = prepared.arms.as_ref().and_then(|arms| turning(&prepared, arms, &variances)) {
+        judged = with;
+    }
+    Some(NoiseModel { rows: prepared.rows, of_rows: prepared.of, ..judged })
+}
+
+/// The noise where that of orientations moves positions, too; `None` where chance may have made what there is of it.
+///
+/// The variances without a lever hold what it makes: variances and lever are found in turn.
+fn turning(prepared: &Prepared, arms: &Arms, variances: &[f64]) -> Option<NoiseModel> {
+    let p_value = arms.p_value(&prepared.reml, variances);
+    if p_value >= FALSE_CLAIMS {
+        return None;
+    }
+    let all = Tied::each(prepared.sources.len());
+    let mut found = arms.likeliest(&prepared.reml, variances, Vector3::zeros())?;
+    let mut variances = variances.to_vec();
+    for _ in 0..MOST_TURNS {
+        variances = found.reml.likeliest(&all, &variances, &[], GOOD)?.numbers;
+        let next = arms.likeliest(&prepared.reml, &variances, found.at)?;
+        let same = next.same(&found);
+        found = next;
+        if same {
+            break;
+        }
+    }
+    let noise = judge(&found.reml, &prepared.sources)?.0;
+    Some(NoiseModel { lever: Some(arms.lever(&found, p_value)), ..noise })
+}
+
+fn is_level(source: &Source) -> bool {
+    matches!(source.place, Place::Level(_))
+}
+
+/// What is asked of so many sources.
+fn for_each<R: Send>(count: usize, asked: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    each_alone(&(0..count).collect::<Vec<usize>>(), |&source| asked(source))
+}
+
+/// The sources' variances, intervals and claims; and the variances of the model without what goes for nothing.
+///
+/// A claim is asked of all sources together. Sizes and intervals are those of the model without what goes for nothing, which has room for
+/// less than it: a variance is not below 0, so one that is not there would always take something from those that are.
+fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
+    let count = sources.len();
+    let levels = sources.iter().filter(|source| is_level(source)).count();
+    let start: Vec<f64> = sources
+        .iter()
+        .map(|source| if is_level(source) { 0.8 } else { 0.2 / (count - levels).max(1) as f64 })
+        .collect();
+    let full = Study { reml, tied: Tied::each(count), best: reml.likeliest(&Tied::each(count), &start, &[], 0.0)? };
+    if reml.values() as f64 - full.best.slope.used < VALUES_PER_SOURCE * count as f64 {
+        return None;
+    }
+    let joints: Vec<usize> = (0..count).filter(|&k| matches!(sources[k].place, Place::Joint(_))).collect();
+    let together = together(sources, &joints);
+    let tried = count - levels + usize::from(together.is_some());
+    let limit = FALSE_CLAIMS / tried as f64;
+    let mut p_values: Vec<Option<f64>> = for_each(count, |k| (!is_level(&sources[k])).then(|| full.p_value_without(k)));
+    let mut claimed: Vec<bool> = p_values.iter().map(|p_value| p_value.is_none_or(|p_value| p_value < limit)).collect();
+    let mut sources = sources.to_vec();
+    let mut model = full.kept(&claimed);
+    let mut all_alike = None;
+    if let Some((source, tied)) = together.filter(|_| !joints.iter().any(|&k| claimed[k])) {
+        all_alike = Some(tied.clone());
+        let mut start = model.best.numbers.clone();
+        start.push(joints.iter().map(|&k| full.best.numbers[k]).sum::<f64>() / joints.len() as f64);
+        if let Some(best) = reml.likeliest(&tied, &start, &[], GOOD) {
+            let study = Study { reml, tied, best };
+            let p_value = study.p_value_without(count);
+            sources.push(source);
+            p_values.push(Some(p_value));
+            claimed.push(p_value < limit);
+            if p_value < limit {
+                model = study.kept(&claimed);
+            }
+        }
+    }
+    let model = model.refined()?;
+    let open = reml.slope(&model.tied.variances(&model.best.numbers))?;
+    let beside = Beside { open: &open, together: all_alike.as_ref() };
+    let component = |k: usize| model.component(k, &sources[k], &beside, claimed[k], p_values[k]);
+    let mut components: Vec<Component> = for_each(sources.len(), component);
+    // What is not claimed does not stand in for a level either.
+    let open: Vec<usize> = (0..count).filter(|&k| is_level(&sources[k]) && !components[k].claimed).collect();
+    if !open.is_empty()
+        && let Some(sure) = model.only(&claimed)
+    {
+        for k in open {
+            let beside = Beside { open: &sure.best.slope, together: None };
+            components[k] = sure.component(k, &sources[k], &beside, true, None);
+        }
+    }
+    let slope = &model.best.slope;
+    let (squares, fourth) = slope.powers;
+    let kurtosis = reml.values() as f64 * fourth / (squares * squares);
+    let variances = model.tied.variances(&model.best.numbers);
+    let noise = NoiseModel { rows: 0, of_rows: 0, components, lever: None, run_order: run_order(slope), kurtosis };
+    Some((noise, variances))
+}
+
+/// One repeatability for all joints that turn, in the stead of one for each; `None` where there is one joint alone.
+fn together(sources: &[Source], joints: &[usize]) -> Option<(Source, Tied)> {
+    let turning: Vec<usize> = joints.iter().copied().filter(|&k| sources[k].unit == "rad").collect();
+    if turning.len() < 2 {
+        return None;
+    }
+    let count = sources.len();
+    let unit = turning.iter().map(|&k| sources[k].unit_size).fold(f64::INFINITY, f64::min);
+    let of = |k: usize| {
+        let own = turning.contains(&k);
+        if own { Some((count, (unit / sources[k].unit_size).powi(2))) } else { Some((k, 1.0)) }
+    };
+    let source = Source { place: Place::Joint(usize::MAX), name: String::new(), unit: "rad", unit_size: unit };
+    Some((source, Tied { of: (0..count).map(of).collect(), count: count + 1 }))
+}
+
+/// What a source that the model does without is added to.
+struct Beside<'a> {
+    /// The slope at the model's variances by all sources.
+    open: &'a Slope,
+    /// How the sources are tied where all joints have one number.
+    together: Option<&'a Tied>,
+}
+
+/// The likeliest variances, and how the likelihood falls away from them.
+struct Study<'a> {
+    reml: &'a Reml,
+    tied: Tied,
+    best: Likeliest,
+}
+
+impl<'a> Study<'a> {
+    /// The model without what goes for nothing: the least of the sources that are not claimed is left out as long as hardly anything
+    /// is lost by it.
+    fn kept(&self, claimed: &[bool]) -> Study<'a> {
+        let mut model = Study { reml: self.reml, tied: self.tied.clone(), best: self.best.clone() };
+        loop {
+            let idle: Vec<usize> = (0..model.tied.count)
+                .filter(|&k| !claimed.get(k).copied().unwrap_or(false) && model.has(k) && model.best.numbers[k] <= 0.0)
+                .collect();
+            // What is 0 changes nothing when it is left out.
+            for k in idle {
+                model.tied = model.tied.at_zero(k);
+            }
+            let open = (0..model.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false) && model.has(k));
+            let least = open
+                .map(|k| (model.pull_of(k) / model.tails(k), k))
+                .filter(|(ratio, _)| *ratio < FOR_NOTHING)
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, k)) = least else { return model };
+            let tied = model.tied.at_zero(k);
+            let start = model.profile(k).beside(&model.best.numbers, 0.0);
+            let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
+            // What is known of it by the curvature alone need not hold.
+            if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING * model.tails(k) {
+                return model;
+            }
+            model = Study { reml: self.reml, tied, best };
+        }
+    }
+
+    /// The model with what is claimed alone.
+    fn only(&self, claimed: &[bool]) -> Option<Study<'a>> {
+        let open = (0..self.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false));
+        let tied = open.fold(self.tied.clone(), |tied, k| tied.at_zero(k));
+        let best = self.reml.likeliest(&tied, &self.best.numbers, &[], 0.0)?;
+        Some(Study { reml: self.reml, tied, best })
+    }
+
+    /// The same, as exactly as can be had.
+    fn refined(self) -> Option<Study<'a>> {
+        let best = self.reml.likeliest(&self.tied, &self.best.numbers, &[], 0.0)?;
+        Some(Study { best, ..self })
+    }
+
+    /// Whether a source follows this number.
+    fn has(&self, number: usize) -> bool {
+        self.tied.of.iter().flatten().any(|(own, _)| *own == number)
+    }
+
+    /// The square of a number over its variance, by the curvature.
+    fn pull_of(&self, number: usize) -> f64 {
+        let (inside, inverse) = self.spread_of(number);
+        let at = inside.iter().position(|k| *k == number);
+        let variance = at.map_or(f64::INFINITY, |at| 2.0 * inverse[(at, at)]);
+        self.best.numbers[number].powi(2) / variance
+    }
+
+    /// The numbers that are not at their bound, this one among them, and the inverse of their information.
+    fn spread_of(&self, number: usize) -> (Vec<usize>, DMatrix<f64>) {
+        let (_, information) = of_numbers(&self.tied, &self.best.slope);
+        let inside: Vec<usize> =
+            (0..self.tied.count).filter(|&k| (k == number || self.best.numbers[k] > 0.0) && self.has(k)).collect();
+        let own = information.select_rows(&inside).select_columns(&inside);
+        // A direction that has no information is not known at all.
+        let inverse = own.clone().try_inverse().unwrap_or_else(|| symmetric::inverse(&own, 0.0));
+        (inside, inverse)
+    }
+
+    /// Value and interval of one source; of what is not in the model, as if it were added.
+    fn component(
+        &self,
+        number: usize,
+        source: &Source,
+        beside: &Beside<'_>,
+        claimed: bool,
+        p_value: Option<f64>,
+    ) -> Component {
+        let own;
+        let study = if self.has(number) {
+            self
+        } else {
+            own = self.with(number, beside);
+            own.as_ref().unwrap_or(self)
+        };
+        let tails = study.tails(number);
+        let rise = if claimed { AT_THE_ENDS } else { AT_THE_BOUND } * tails;
+        let high = study.has(number).then(|| study.end(number, rise, true)).flatten();
+        let low = if claimed { study.end(number, rise, false).unwrap_or(0.0) } else { 0.0 };
+        let size = |variance: f64| source.unit_size * variance.sqrt();
+        let (name, joint) = match source.place {
+            Place::Joint(index) => ("repeatability".into(), (index != usize::MAX).then(|| source.name.clone())),
+            _ => (Cow::Owned(source.name.clone()), None),
+        };
+        let value = if study.has(number) { size(study.best.numbers[number]) } else { 0.0 };
+        // A level that the others explain is not there.
+        let claimed = claimed && (p_value.is_some() || low > 0.0);
+        Component { name, joint, unit: source.unit, value, low: size(low), high: high.map(size), claimed, p_value }
+    }
+
+    /// The model with one more number.
+    fn with(&self, number: usize, beside: &Beside<'_>) -> Option<Study<'a>> {
+        let mut tied = self.tied.clone();
+        let mut start = self.best.numbers.clone();
+        if number < tied.of.len() {
+            tied.of[number] = Some((number, 1.0));
+        } else {
+            let all = beside.together?;
+            for (own, of) in tied.of.iter_mut().zip(&all.of).filter(|(_, of)| of.is_some_and(|(own, _)| own == number))
+            {
+                *own = *of;
+            }
+            tied.count = all.count;
+            start.resize(tied.count, 0.0);
+        }
+        // A joint that followed the number of all of them begins elsewhere.
+        let same = tied.variances(&start) == self.tied.variances(&self.best.numbers);
+        let best = if same {
+            self.reml.likeliest_from(&tied, (&start, beside.open.clone()), &[], GOOD)?
+        } else {
+            self.reml.likeliest(&tied, &start, &[], GOOD)?
+        };
+        Some(Study { reml: self.reml, tied, best })
+    }
+
+    /// Probability of as much less likelihood without a source that is not there.
+    fn p_value_without(&self, number: usize) -> f64 {
+        if self.best.numbers[number] <= 0.0 {
+            return 1.0;
+        }
+        let start = self.profile(number).beside(&self.best.numbers, 0.0);
+        let rest = self.reml.likeliest(&self.tied.at_zero(number), &start, &[], GOOD);
+        let ratio = rest.map_or(f64::INFINITY, |rest| rest.slope.deviance - self.best.slope.deviance);
+        half_chi_squared(ratio.max(0.0) / self.tails(number))
+    }
+
+    /// How much more the rows' scores vary than those of normal rows do, for this number with all others free; 1 at least.
+    fn tails(&self, number: usize) -> f64 {
+        let slope = &self.best.slope;
+        let (inside, inverse) = self.spread_of(number);
+        let Some(at) = inside.iter().position(|k| *k == number) else { return 1.0 };
+        let mut weights = vec![0.0; slope.scores.nrows()];
+        for (k, of) in self.tied.of.iter().enumerate() {
+            if let Some((place, factor)) = of.and_then(|(own, f)| Some((inside.iter().position(|i| *i == own)?, f))) {
+                weights[k] = factor * inverse[(at, place)];
+            }
+        }
+        let weights = DMatrix::from_row_slice(1, weights.len(), &weights);
+        let influence = weights * &slope.scores;
+        let mean = influence.mean();
+        let spread: f64 = influence.iter().map(|own| (own - mean).powi(2)).sum();
+        let normal = 2.0 * inverse[(at, at)];
+        if normal > 0.0 && spread.is_finite() { (spread / normal).max(1.0) } else { 1.0 }
+    }
+
+    /// Where the profile of the deviance has risen by so much, above or below the likeliest; `None` where it never does.
+    ///
+    /// Newton steps: the slope of a profile is that of the deviance at its point, all others at their best, and roots of rises are nearly
+    /// straight in the standard deviation. A step out of what is known to hold the end gives way to the straight line between its ends.
+    fn end(&self, number: usize, rise: f64, above: bool) -> Option<f64> {
+        let best = self.best.numbers[number].max(0.0);
+        let profile = self.profile(number);
+        let guess = if above { best + profile.reach(rise) } else { (best - profile.reach(rise)).max(0.0) };
+        let (mut inner, mut outer) = ((best.sqrt(), -rise.sqrt()), None);
+        let (mut at, mut near) = (guess.sqrt(), self.best.numbers.clone());
+        for _ in 0..MOST_TRIALS {
+            let start = profile.beside(&near, at * at);
+            let held = self.reml.likeliest(&self.tied, &start, &[number], GOOD);
+            let risen = held.as_ref().map_or(f64::INFINITY, |held| held.slope.deviance - self.best.slope.deviance);
+            let risen = risen.max(0.0).sqrt();
+            let excess = risen - rise.sqrt();
+            if excess.abs() < END || excess < 0.0 && at <= 0.0 {
+                return Some(at * at);
+            }
+            if excess > 0.0 {
+                outer = Some((at, excess));
+            } else if at * at > NOT_TOLD {
+                return None;
+            } else {
+                inner = (at, excess);
+            }
+            if outer.is_some_and(|(outer, _)| (outer - inner.0).abs() <= END * outer.max(inner.0)) {
+                break;
+            }
+            let slope = held.as_ref().map_or(0.0, |held| of_numbers(&self.tied, &held.slope).0[number] * at / risen);
+            let newton = at - excess / slope;
+            if excess.abs() < NEARLY && newton.is_finite() && newton > 0.0 {
+                return Some(newton * newton);
+            }
+            let within = |(outer, _): (f64, f64)| (newton - inner.0) * (newton - outer) < 0.0;
+            at = match outer {
+                Some(outer) if newton.is_finite() && within(outer) => newton,
+                Some((outer, over)) if over.is_finite() => inner.0 - inner.1 / (over - inner.1) * (outer - inner.0),
+                Some((outer, _)) => 0.5 * (inner.0 + outer),
+                // No further than twice as far at once.
+                None if above && newton > at => newton.min(2.0 * at),
+                None if above => 1.5 * at,
+                None if newton < at => newton.max(0.0),
+                None => 0.0,
+            };
+            near = held.map_or(near, |held| held.numbers);
+        }
+        Some((0.5 * (inner.0 + outer.map_or(inner.0, |(outer, _)| outer))).powi(2))
+    }
+
+    /// How the deviance and the other numbers go when one is moved, by slope and curvature at the likeliest.
+    fn profile(&self, number: usize) -> Profile {
+        let (inside, inverse) = self.spread_of(number);
+        let at = inside.iter().position(|k| *k == number).filter(|&at| inverse[(at, at)] > 0.0);
+        let (gradient, information) = of_numbers(&self.tied, &self.best.slope);
+        let own = information[(number, number)].max(f64::MIN_POSITIVE);
+        let curvature = at.map_or(own, |at| 1.0 / inverse[(at, at)]);
+        let ways = at.map_or_else(Vec::new, |at| {
+            let others = inside.iter().enumerate().filter(|(_, k)| **k != number);
+            others.map(|(place, &k)| (k, inverse[(place, at)] * curvature)).collect()
+        });
+        Profile { number, slope: gradient[number].max(0.0), curvature, ways }
+    }
+}
+
+/// The deviance of a profile to second order.
+struct Profile {
+    number: usize,
+    slope: f64,
+    curvature: f64,
+    /// By how much each other number goes with it.
+    ways: Vec<(usize, f64)>,
+}
+
+impl Profile {
+    /// How far the number goes until the deviance has risen by so much.
+    fn reach(&self, rise: f64) -> f64 {
+        // ½ h x² + g x = rise, without cancellation.
+        2.0 * rise / (self.slope + (self.slope * self.slope + 2.0 * self.curvature * rise).sqrt())
+    }
+
+    /// These numbers with this one at another value, and the others where they then are likeliest.
+    fn beside(&self, near: &[f64], value: f64) -> Vec<f64> {
+        let mut numbers = near.to_vec();
+        let by = value - near[self.number];
+        for (k, way) in &self.ways {
+            numbers[*k] = (numbers[*k] + way * by).max(0.0);
+        }
+        numbers[self.number] = value;
+        numbers
+    }
+}
+
+/// Probability of as large a ratio where half of all are 0 and the others χ² of one degree of freedom.
+fn half_chi_squared(ratio: f64) -> f64 {
+    if ratio <= 0.0 {
+        return 1.0;
+    }
+    let chi = ChiSquared::new(1.0).expect("one degree of freedom is positive");
+    0.5 * chi.sf(ratio)
+}
+
+/// How residuals of neighbours in the run hang together.
+fn run_order(slope: &Slope) -> Option<RunOrder> {
+    let (sum, count) = slope.lag;
+    if count < 30.0 {
+        return None;
+    }
+    let lag_1 = (sum / count).clamp(-0.999, 0.999);
+    let normal = Normal::standard();
+    let p_value = 2.0 * normal.sf(lag_1.abs() * count.sqrt());
+    let within = |side: f64| (lag_1.atanh() + side * 1.96 / count.sqrt()).tanh();
+    Some(RunOrder { lag_1, low: within(-1.0), high: within(1.0), p_value, claimed: p_value < FALSE_ORDER })
+}

@@ -1,0 +1,34 @@
+//! A tool that two tips of a robot hold together: where one of them has it is where the other has it.
+//!
+//! A [pose](super::pose) that every row sees from both tips in a frame of its own, the tool's, where it reads nothing but that frame
+//! itself: r = X⁻¹ - T t, with X the tool's frame in that row and t how the tip holds it. The joint readings are the measurement.
+
+use super::pose::Pose;
+use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
+use crate::parameters::Layout;
+use denavit_model::nalgebra::Matrix3;
+
+#[derive(Debug)]
+pub(super) struct Grip;
+
+impl Observe for Grip {
+    fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy {
+        Pose.discrepancy(seen)
+    }
+
+    fn follows(&self, seen: &Seen<'_>) -> Follows {
+        Pose.follows(seen)
+    }
+
+    fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, left: &Matrix3<f64>, rows: &mut Rows<'_>) {
+        Pose.own_columns(seen, layout, left, rows);
+    }
+
+    fn predict(&self, seen: &Seen<'_>, values: &mut Vec<f64>) {
+        Pose.predict(seen, values);
+    }
+
+    fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>) {
+        Pose.disturb(values, errors);
+    }
+}

@@ -1,0 +1,686 @@
+//! The numbers that a fit may change, and their order.
+
+use crate::arm::{AlongSight, Arm, AxisBasis, Perturbation, Perturbed, Row};
+use crate::effects_prior::EffectsPrior;
+use crate::frames::Frames;
+use crate::prior::{KnownBefore, Prior};
+use denavit_measurements::{KnownLength, Measurements, MissingColumn, Scene};
+use denavit_model::nalgebra::{DVector, Rotation3, Vector3, Vector6};
+use denavit_model::{Chain, Quantity, Screw, se3};
+use std::ops::Range;
+
+/// Whether a parameter of this name is the zero of a joint.
+pub fn is_zero(parameter: &str) -> bool {
+    parameter.ends_with(ZERO)
+}
+
+/// Ends the name of a joint's zero, after the joint.
+const ZERO: &str = ".zero";
+
+/// What a parameter changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// The direction of a joint's axis, about [`AxisBasis::a`] (0) or [`AxisBasis::b`] (1), rad.
+    Turn {
+        /// Index of the joint.
+        joint: usize,
+        /// 0 or 1.
+        direction: usize,
+    },
+    /// The place of a joint's axis, along [`AxisBasis::a`] (0) or [`AxisBasis::b`] (1), m.
+    Move {
+        /// Index of the joint.
+        joint: usize,
+        /// 0 or 1.
+        direction: usize,
+    },
+    /// A joint's pitch, m/rad.
+    Pitch {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// A joint's scale, relative to nominal.
+    Scale {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// What is added to the reading of a joint's coordinate, rad or m: all joints that it moves count from there.
+    Zero {
+        /// Index of the first joint that the coordinate moves.
+        joint: usize,
+    },
+    /// A number of an effect.
+    Effect {
+        /// Index among the effects' parameters.
+        index: usize,
+    },
+    /// The frame of a setup's instrument: 0-2 rotation (rad), 3-5 translation (m), base frame.
+    Instrument {
+        /// Index of the setup.
+        setup: usize,
+        /// 0 to 5.
+        component: usize,
+    },
+    /// The frame of a setup of which only the plane z = 0 is seen, in its own axes: rotations about x and y (rad), translation
+    /// along z (m); of one of which only the direction z is seen, the rotations alone.
+    Plane {
+        /// Index of the setup.
+        setup: usize,
+        /// 0 to 2.
+        component: usize,
+    },
+    /// A point's place, base frame, m.
+    Point {
+        /// Index of the point.
+        point: usize,
+        /// 0 to 2.
+        component: usize,
+    },
+    /// A target's place, tip frame, m.
+    Target {
+        /// Index of the target.
+        target: usize,
+        /// 0 to 2.
+        component: usize,
+    },
+    /// A target's orientation, about the tip frame's axes, rad.
+    TargetTurn {
+        /// Index of the target.
+        target: usize,
+        /// 0 to 2.
+        component: usize,
+    },
+}
+
+impl ParameterKind {
+    /// Index of the joint that it belongs to.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Turn { joint, .. }
+            | Self::Move { joint, .. }
+            | Self::Pitch { joint }
+            | Self::Scale { joint }
+            | Self::Zero { joint } => Some(joint),
+            _ => None,
+        }
+    }
+}
+
+/// One free number of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Name, such as `joint_2.turn_x`.
+    pub name: String,
+    /// What it changes.
+    pub kind: ParameterKind,
+    /// Its unit: `rad`, `m`, `m/rad`, `1`.
+    pub unit: &'static str,
+    /// How far from nominal it is expected to be, in the parameter's unit; `None` where nothing is expected.
+    pub tolerance: Option<f64>,
+}
+
+/// How far a robot is expected to be from its drawing: standard deviations of the prior (see the room `observation::prior`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Direction of an axis on the link that carries it, rad.
+    pub turn: f64,
+    /// Place of an axis on the link that carries it, m.
+    pub shift: f64,
+    /// Zero of a turning joint, rad: it is set when the arm is mastered, not machined.
+    pub zero_turn: f64,
+    /// Zero of a slide, m.
+    pub zero_slide: f64,
+    /// Pitch, m/rad.
+    pub pitch: f64,
+    /// Relative scale.
+    pub scale: f64,
+}
+
+impl Default for Tolerances {
+    /// What a machine shop holds on an arm of about a metre: 1 mrad, 1 mm; 0.1 mm per turn; one part in a thousand.
+    /// Zeros: about a degree, 5 mm.
+    fn default() -> Self {
+        Self {
+            turn: 1e-3,
+            shift: 1e-3,
+            zero_turn: 0.02,
+            zero_slide: 5e-3,
+            pitch: 1e-4 / std::f64::consts::TAU,
+            scale: 1e-3,
+        }
+    }
+}
+
+/// Which parts of the arm a fit may change; the instrument and the targets are always free.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Freedom {
+    /// For each joint, its axis.
+    pub axes: Vec<bool>,
+    /// For each joint, its scale.
+    pub scales: Vec<bool>,
+    /// For each joint, its pitch; helical joints' pitches are part of the axes and free with them.
+    pub pitches: Vec<bool>,
+    /// For each joint, its zero. Free axes express every zero already: only where the axes are held is this anything new.
+    pub zeros: Vec<bool>,
+}
+
+impl Freedom {
+    /// Instrument and targets alone: the nominal stage.
+    pub fn placement(joints: usize) -> Self {
+        let none = || vec![false; joints];
+        Self { axes: none(), scales: none(), pitches: none(), zeros: none() }
+    }
+
+    /// The zero of every joint and nothing else.
+    pub fn zeros(joints: usize) -> Self {
+        Self { zeros: vec![true; joints], ..Self::placement(joints) }
+    }
+
+    /// Whether zeros are free and no axis is.
+    pub fn zeros_alone(&self) -> bool {
+        self.zeros.contains(&true) && !self.axes.contains(&true)
+    }
+
+    /// Every axis, no scale, no pitch of a revolute joint.
+    pub fn axes(joints: usize) -> Self {
+        Self { axes: vec![true; joints], ..Self::placement(joints) }
+    }
+}
+
+/// The free parameters of a fit in order: joint by joint, effects, instruments, points, targets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// In order.
+    pub parameters: Vec<Parameter>,
+    /// Parameters of the joints.
+    pub joints: Range<usize>,
+    /// Parameters of the effects.
+    pub effects: Range<usize>,
+    /// Parameters of the targets: 3 for each place that is seen, then 3 for each orientation that is seen.
+    pub targets: Range<usize>,
+    /// First parameter of each setup's instrument, where one is seen.
+    pub instruments: Vec<Option<usize>>,
+    /// First parameter of each setup's plane, where only that is seen.
+    pub planes: Vec<Option<usize>>,
+    /// First parameter of each setup's direction of gravity, where that is seen.
+    pub levels: Vec<Option<usize>>,
+    /// First parameter of each point.
+    pub points: Vec<usize>,
+    /// First parameter of each target's place, where it is seen.
+    pub places: Vec<Option<usize>>,
+    /// First parameter of each target's orientation, where it is seen.
+    pub turns: Vec<Option<usize>>,
+    /// Per joint.
+    pub bases: Vec<AxisBasis>,
+    /// What moves together without being seen.
+    pub frames: Frames,
+    /// What is expected of the joints' parameters.
+    pub prior: Prior,
+    /// What an earlier calibration expects of effects, given those.
+    pub effects_prior: Option<EffectsPrior>,
+}
+
+/// A value known beforehand: its residual over its standard deviation, and the derivatives that are not 0, by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// Known less predicted.
+    pub residual: f64,
+    /// Columns and derivatives of the residual.
+    pub columns: Vec<(usize, f64)>,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The name of a direction: a base axis where it is one, else the given letter.
+fn direction_name(direction: &Vector3<f64>, otherwise: &'static str) -> &'static str {
+    (0..3).find(|&i| direction[i].abs() > 1.0 - 1e-9).map_or(otherwise, |i| AXES[i])
+}
+
+impl Layout {
+    /// The layout for a chain and what is observed of it.
+    pub fn new(
+        chain: &Chain,
+        scene: &Scene,
+        freedom: &Freedom,
+        tolerances: &Tolerances,
+        effects: Vec<Parameter>,
+    ) -> Self {
+        let bases: Vec<AxisBasis> = chain.joints().iter().map(|joint| AxisBasis::of(&joint.screw)).collect();
+        let mut parameters = Vec::new();
+        for (index, joint) in chain.joints().iter().enumerate() {
+            joint_parameters(&mut parameters, index, &joint.name, &joint.screw, &bases[index], freedom, tolerances);
+            let leads = chain.joints()[..index].iter().all(|other| other.coordinate != joint.coordinate);
+            if freedom.zeros[index] && leads && joint.scale != 0.0 {
+                let (unit, tolerance) = match chain.coordinates()[joint.coordinate].quantity {
+                    Quantity::Angle => ("rad", tolerances.zero_turn),
+                    Quantity::Length => ("m", tolerances.zero_slide),
+                };
+                let (name, kind) = (format!("{}{ZERO}", joint.name), ParameterKind::Zero { joint: index });
+                parameters.push(Parameter { name, kind, unit, tolerance: Some(tolerance) });
+            }
+        }
+        let joints = 0..parameters.len();
+        let frames = Frames::of(chain, scene);
+        let prior = Prior::of_drawing(chain, &parameters, &bases, &frames, tolerances);
+        let mut layout = Self {
+            parameters,
+            effects: joints.end..joints.end,
+            targets: 0..0,
+            joints,
+            instruments: Vec::new(),
+            planes: Vec::new(),
+            levels: Vec::new(),
+            points: Vec::new(),
+            places: Vec::new(),
+            turns: Vec::new(),
+            bases,
+            frames,
+            prior,
+            effects_prior: None,
+        };
+        layout.surroundings(scene);
+        layout.with_effects(effects)
+    }
+
+    /// Appends what is unknown beside the arm.
+    fn surroundings(&mut self, scene: &Scene) {
+        let mut free = |name: String, kind: ParameterKind, unit: &'static str| {
+            self.parameters.push(Parameter { name, kind, unit, tolerance: None });
+            self.parameters.len() - 1
+        };
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
+                let (word, unit) = if component < 3 { ("turn_", "rad") } else { ("", "m") };
+                let space = if name.is_empty() { "" } else { " " };
+                let name = format!("instrument{space}{name}.{word}{}", AXES[component % 3]);
+                free(name, ParameterKind::Instrument { setup, component }, unit)
+            };
+            let first = scene.has_instrument(setup).then(|| add(0));
+            if first.is_some() {
+                (1..6).for_each(|component| _ = add(component));
+            }
+            self.instruments.push(first);
+        }
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
+                let (word, unit) = [("turn_x", "rad"), ("turn_y", "rad"), ("z", "m")][component];
+                free(format!("{name}.{word}"), ParameterKind::Plane { setup, component }, unit)
+            };
+            let first = scene.has_plane(setup).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
+            }
+            self.planes.push(first);
+        }
+        for (setup, name) in scene.setups.iter().enumerate() {
+            let mut add = |component: usize| {
+                let name = format!("{name}.turn_{}", AXES[component]);
+                free(name, ParameterKind::Plane { setup, component }, "rad")
+            };
+            let first = scene.has_level(setup).then(|| add(0));
+            if first.is_some() {
+                add(1);
+            }
+            self.levels.push(first);
+        }
+        for (point, name) in scene.points.iter().enumerate() {
+            let mut add = |component: usize| {
+                free(format!("{name}.{}", AXES[component]), ParameterKind::Point { point, component }, "m")
+            };
+            self.points.push(add(0));
+            (1..3).for_each(|component| _ = add(component));
+        }
+        let [instruments, planes, levels] =
+            [&self.instruments, &self.planes, &self.levels].map(|all| all.iter().flatten().count());
+        let start = self.joints.end + 6 * instruments + 3 * (planes + self.points.len()) + 2 * levels;
+        // Numbers follow the word, names stand apart from it.
+        let called = |name: &str| {
+            let space = if name.starts_with(|c: char| c.is_alphabetic()) { " " } else { "" };
+            format!("target{space}{name}")
+        };
+        for (target, name) in scene.targets.iter().enumerate() {
+            let name = called(name);
+            let mut add = |component: usize| {
+                free(format!("{name}.{}", AXES[component]), ParameterKind::Target { target, component }, "m")
+            };
+            let first = scene.places(target).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
+            }
+            self.places.push(first);
+        }
+        for (target, name) in scene.targets.iter().enumerate() {
+            let mut add = |component: usize| {
+                let name = format!("{}.turn_{}", called(name), AXES[component]);
+                free(name, ParameterKind::TargetTurn { target, component }, "rad")
+            };
+            let first = scene.turns(target).then(|| add(0));
+            if first.is_some() {
+                (1..3).for_each(|component| _ = add(component));
+            }
+            self.turns.push(first);
+        }
+        self.targets = start..self.parameters.len();
+    }
+
+    /// What the known distances between points ask of the parameters, and that a tool's frame is that of the tip which holds it first.
+    pub fn known_lengths(&self, scene: &Scene, arm: &Arm) -> Vec<Known> {
+        let of = |known: &KnownLength| {
+            let [a, b] = known.points;
+            let apart = arm.points[b] - arm.points[a];
+            let length = apart.norm();
+            let along = if length > 0.0 { apart / length } else { Vector3::zeros() };
+            let column =
+                |point: usize, sign: f64| (0..3).map(move |k| (self.points[point] + k, sign * along[k] / known.std));
+            let columns = column(a, 1.0).chain(column(b, -1.0)).collect();
+            Known { residual: (known.length - length) / known.std, columns }
+        };
+        let lengths = scene.lengths.iter().map(of);
+        // No tip holds a tool otherwise when its frame is another one: any width will do.
+        let frame = |target: usize| {
+            let pose = &arm.targets[target];
+            let of = |first: Option<usize>, value: Vector3<f64>| {
+                let first = first.into_iter().flat_map(|first| first..first + 3);
+                let known = |(column, value): (usize, f64)| Known { residual: -value, columns: vec![(column, -1.0)] };
+                first.zip(<[f64; 3]>::from(value)).map(known).collect::<Vec<_>>()
+            };
+            let turn = se3::rotation_vector(&pose.rotation);
+            of(self.places[target], pose.translation.vector).into_iter().chain(of(self.turns[target], turn))
+        };
+        lengths.chain(scene.tool_frames().into_iter().flat_map(frame)).collect()
+    }
+
+    /// What is known of points and of effects beside the rows. `numbers`: those of the effects.
+    pub fn known(&self, scene: &Scene, arm: &Arm, numbers: &[f64]) -> Vec<Known> {
+        let mut known = self.known_lengths(scene, arm);
+        if let Some(prior) = &self.effects_prior {
+            let difference = self.perturbation(arm, arm) + &self.prior.mean;
+            known.extend(prior.known(&difference, numbers, self.effects.start));
+        }
+        known
+    }
+
+    /// The layout with other effects in it, of which nothing is known.
+    #[must_use]
+    pub fn with_effects(&self, effects: Vec<Parameter>) -> Self {
+        let (old, count) = (self.effects.len(), effects.len());
+        let shift = |column: usize| column + count - old;
+        let joints = self.parameters[self.joints.clone()].iter().cloned();
+        let rest = self.parameters[self.effects.end..].iter().cloned();
+        Self {
+            parameters: joints.chain(effects).chain(rest).collect(),
+            joints: self.joints.clone(),
+            effects: self.joints.end..self.joints.end + count,
+            targets: shift(self.targets.start)..shift(self.targets.end),
+            instruments: self.instruments.iter().map(|column| column.map(shift)).collect(),
+            planes: self.planes.iter().map(|column| column.map(shift)).collect(),
+            levels: self.levels.iter().map(|column| column.map(shift)).collect(),
+            points: self.points.iter().copied().map(shift).collect(),
+            places: self.places.iter().map(|column| column.map(shift)).collect(),
+            turns: self.turns.iter().map(|column| column.map(shift)).collect(),
+            bases: self.bases.clone(),
+            frames: self.frames.clone(),
+            prior: self.prior.clone(),
+            effects_prior: None,
+        }
+    }
+
+    /// Whether an axis may turn or move: only then can a common motion of all axes hide behind instruments and targets.
+    pub fn axes_are_free(&self) -> bool {
+        let of_axis = |kind| matches!(kind, ParameterKind::Turn { .. } | ParameterKind::Move { .. });
+        self.parameters[self.joints.clone()].iter().any(|parameter| of_axis(parameter.kind))
+    }
+
+    /// Number of parameters.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+
+    /// The arm after a step (one number per parameter; those of effects are left out).
+    #[must_use]
+    pub fn stepped(&self, arm: &Arm, step: &[f64]) -> Arm {
+        let mut result = arm.clone();
+        let joints = arm.joints.len();
+        let (mut turned, mut moved, mut pitch) = (vec![[0.0; 2]; joints], vec![[0.0; 2]; joints], vec![0.0; joints]);
+        let mut instruments = vec![Vector6::zeros(); arm.instruments.len()];
+        let mut planes = vec![Vector6::zeros(); arm.instruments.len()];
+        let mut turns = vec![Vector3::zeros(); arm.targets.len()];
+        for (parameter, &delta) in self.parameters.iter().zip(step) {
+            match parameter.kind {
+                ParameterKind::Turn { joint, direction } => turned[joint][direction] = delta,
+                ParameterKind::Move { joint, direction } => moved[joint][direction] = delta,
+                ParameterKind::Pitch { joint } => pitch[joint] = delta,
+                ParameterKind::Scale { joint } => {
+                    result.joints[joint].scale += delta * arm.nominal.joints()[joint].scale;
+                }
+                ParameterKind::Zero { joint } => result.shift_zero(joint, delta),
+                ParameterKind::Effect { .. } => {}
+                ParameterKind::Instrument { setup, component } => instruments[setup][component] = delta,
+                ParameterKind::Plane { setup, component } => planes[setup][[0, 1, 5][component]] = delta,
+                ParameterKind::Point { point, component } => result.points[point][component] += delta,
+                ParameterKind::Target { target, component } => {
+                    result.targets[target].translation.vector[component] += delta;
+                }
+                ParameterKind::TargetTurn { target, component } => turns[target][component] = delta,
+            }
+        }
+        for (joint, nominal) in arm.nominal.joints().iter().enumerate() {
+            if turned[joint] != [0.0; 2] || moved[joint] != [0.0; 2] || pitch[joint] != 0.0 {
+                let basis = self.bases[joint].carried(&nominal.screw, &arm.joints[joint].screw);
+                result.change_axis(joint, &basis, turned[joint], moved[joint], pitch[joint]);
+            }
+        }
+        for (instrument, step) in result.instruments.iter_mut().zip(&instruments) {
+            if *step != Vector6::zeros() {
+                let moved = *instrument * se3::exp(step);
+                *instrument = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+            }
+        }
+        for (plane, step) in result.instruments.iter_mut().zip(&planes) {
+            if *step != Vector6::zeros() {
+                let moved = se3::exp(step) * *plane;
+                *plane = se3::pose(se3::orthonormalised(&moved.rotation), moved.translation.vector);
+            }
+        }
+        for (target, step) in result.targets.iter_mut().zip(&turns) {
+            if *step != Vector3::zeros() {
+                let rotation = Rotation3::from_scaled_axis(*step) * target.rotation;
+                target.rotation = se3::orthonormalised(&rotation);
+            }
+        }
+        result
+    }
+
+    /// The same layout where some of the joints' parameters were identified before.
+    #[must_use]
+    pub fn knowing(mut self, before: &KnownBefore) -> Self {
+        let joints = &self.parameters[self.joints.clone()];
+        self.prior = self.prior.knowing(joints, &self.bases, &self.frames, before);
+        self
+    }
+
+    /// What the prior charges for an arm: δᵀ P δ of the axes' deviation from what is expected; see [`Layout::difference`].
+    pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
+        let perturbation = self.perturbation(arm, reference);
+        perturbation.dot(&(&self.prior.precision * &perturbation))
+    }
+
+    /// δ: how far the joints' parameters are from what is expected of them; see [`Layout::difference`].
+    pub fn perturbation(&self, arm: &Arm, reference: &Arm) -> DVector<f64> {
+        let difference = self.difference(arm, reference);
+        DVector::from_row_slice(&difference[self.joints.clone()]) - &self.prior.mean
+    }
+
+    /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the
+    /// instruments, the points and effects.
+    pub fn difference(&self, arm: &Arm, reference: &Arm) -> Vec<f64> {
+        let changes: Vec<_> = (0..arm.joints.len()).map(|joint| arm.change(joint)).collect();
+        let turn = |target: usize| {
+            se3::rotation_vector(&(arm.targets[target].rotation * reference.targets[target].rotation.inverse()))
+        };
+        let turns: Vec<Vector3<f64>> = (0..self.turns.len())
+            .map(|target| self.turns[target].map_or_else(Vector3::zeros, |_| turn(target)))
+            .collect();
+        let of = |parameter: &Parameter| match parameter.kind {
+            ParameterKind::Turn { joint, direction } => changes[joint].turned[direction],
+            ParameterKind::Move { joint, direction } => changes[joint].moved[direction],
+            ParameterKind::Pitch { joint } => changes[joint].pitch,
+            ParameterKind::Scale { joint } => changes[joint].scale,
+            ParameterKind::Zero { joint } => changes[joint].zero,
+            ParameterKind::Target { target, component } => {
+                (arm.targets[target].translation.vector - reference.targets[target].translation.vector)[component]
+            }
+            ParameterKind::TargetTurn { target, component } => turns[target][component],
+            ParameterKind::Effect { .. }
+            | ParameterKind::Instrument { .. }
+            | ParameterKind::Plane { .. }
+            | ParameterKind::Point { .. } => 0.0,
+        };
+        self.parameters.iter().map(of).collect()
+    }
+}
+
+fn joint_parameters(
+    parameters: &mut Vec<Parameter>,
+    joint: usize,
+    name: &str,
+    screw: &Screw,
+    basis: &AxisBasis,
+    freedom: &Freedom,
+    tolerances: &Tolerances,
+) {
+    let mut add = |word: &str, kind: ParameterKind, unit: &'static str, tolerance: f64| {
+        parameters.push(Parameter { name: format!("{name}.{word}"), kind, unit, tolerance: Some(tolerance) });
+    };
+    let names = [direction_name(&basis.a, "a"), direction_name(&basis.b, "b")];
+    let slides = matches!(screw, Screw::Prismatic(_));
+    if freedom.axes[joint] {
+        for (direction, name) in names.iter().enumerate() {
+            add(&format!("turn_{name}"), ParameterKind::Turn { joint, direction }, "rad", tolerances.turn);
+        }
+        if !slides {
+            for (direction, name) in names.iter().enumerate() {
+                add(&format!("move_{name}"), ParameterKind::Move { joint, direction }, "m", tolerances.shift);
+            }
+        }
+    }
+    let helical = matches!(screw, Screw::Helical { .. });
+    if (helical && freedom.axes[joint]) || (!slides && freedom.pitches[joint]) {
+        add("pitch", ParameterKind::Pitch { joint }, "m/rad", tolerances.pitch);
+    }
+    if freedom.scales[joint] {
+        add("scale", ParameterKind::Scale { joint }, "1", tolerances.scale);
+    }
+}
+
+/// How a prediction moves per unit of an effect's parameter, in one row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// Twist `[omega; v]` of the tip in the base frame, where the arm stands now: Ad(before\[i\]) · carrier at home.
+    pub twist: Vector6<f64>,
+    /// Shift of the targets, tip frame, m.
+    pub target: Vector3<f64>,
+    /// Shift of the anchor, base frame, m.
+    pub anchor: Vector3<f64>,
+    /// Change of the instrument's relative scale.
+    pub scale: f64,
+    /// Change of the distance read, m.
+    pub reading: f64,
+    /// Change of what is read too far along the line of sight.
+    pub sight: AlongSight,
+}
+
+impl Default for Sensitivity {
+    fn default() -> Self {
+        Self {
+            twist: Vector6::zeros(),
+            target: Vector3::zeros(),
+            anchor: Vector3::zeros(),
+            scale: 0.0,
+            reading: 0.0,
+            sight: AlongSight::default(),
+        }
+    }
+}
+
+/// Effects beyond geometry, as a fit sees them: perturbations per row and how these follow from free numbers.
+pub trait Effects: Clone + Sync {
+    /// What they know of an arm before any row is looked at, and room for one row.
+    type Standing;
+
+    /// That of this arm; to be made anew when the arm or the effects have changed.
+    fn standing(&self, arm: &Arm) -> Self::Standing;
+
+    /// The free numbers, each of kind [`ParameterKind::Effect`].
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// Whether there is nothing beyond geometry: rows can then be computed several at a time.
+    fn are_none(&self) -> bool {
+        false
+    }
+
+    /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
+    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Self::Standing, out: &mut Perturbation) -> bool;
+
+    /// How the prediction moves per unit of each parameter where the arm stands as perturbed, into `out`, which comes all zero; `standing` is
+    /// that of the same row.
+    fn sensitivities(
+        &self,
+        row: Row<'_>,
+        arm: &Arm,
+        standing: &mut Self::Standing,
+        at: Perturbed<'_>,
+        out: &mut [Sensitivity],
+    );
+
+    /// The effects with the columns of these rows in place of those that they follow; needed wherever rows are not those (or
+    /// a part of those) that the effects were made with.
+    ///
+    /// # Errors
+    /// An effect follows what these rows have no column of.
+    fn bound_to(&self, _data: &Measurements) -> Result<Self, MissingColumn> {
+        Ok(self.clone())
+    }
+
+    /// The values of the free numbers, in their order.
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The effects after a step, one number per parameter.
+    #[must_use]
+    fn stepped(&self, step: &[f64]) -> Self;
+}
+
+/// Geometry alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NoEffects;
+
+impl Effects for NoEffects {
+    type Standing = ();
+
+    fn standing(&self, _arm: &Arm) {}
+
+    fn are_none(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn perturb(&self, _row: Row<'_>, _arm: &Arm, _standing: &mut (), _out: &mut Perturbation) -> bool {
+        false
+    }
+
+    fn sensitivities(&self, _: Row<'_>, _: &Arm, (): &mut (), _: Perturbed<'_>, _: &mut [Sensitivity]) {}
+
+    fn stepped(&self, _step: &[f64]) -> Self {
+        *self
+    }
+}

@@ -1,0 +1,369 @@
+//! What is known of a robot before it is measured: its links are machined to a tolerance, its zeros are set by hand.
+//!
+//! An axis stands on a link, that link on the axis before it. So errors add up along the chain: with δk the error of
+//! link k, ok the error of joint k's zero, Sk its screw,
+//!
+//! ```text
+//! perturbation of axis i = across_i( base + Σ_{k ≤ i} δk + Σ_{k < i} ok Sk )
+//! ```
+//! with the sums over the joints that carry axis i: in a tree those on the way to it.
+//! δk turns by `turn` about three axes through axis k's centre and shifts by `shift`; nothing is expected of the base.
+//! The prior is normal with the covariance that follows. It weighs against the data by their noise: where the data
+//! tell a direction well it changes nothing, where they tell it badly it keeps to the drawing, without noise it
+//! vanishes. A prior on each axis by itself would not do: a zero that is off by 10 mrad turns all axes after it, which
+//! is no news to anyone who masters robots.
+//!
+//! An arm that was calibrated before, or whose siblings were, is known better than that: of the parameters that were
+//! identified then their mean and covariance are taken, of all others what the drawing says of them given those.
+
+use crate::arm::AxisBasis;
+use crate::frames::Frames;
+use crate::parameters::{Parameter, ParameterKind, Tolerances};
+use crate::symmetric;
+use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use denavit_model::{Chain, Quantity};
+
+/// Nothing is expected of the base: this many times the tolerances, rad and m alike.
+const BASE: f64 = 1.0;
+
+/// Coordinates of a twist `[omega; v]` (base frame) in the direction that a parameter changes; 0 for pitch and scale.
+fn change_in_basis(parameter: &Parameter, bases: &[AxisBasis], twist: &Vector6<f64>) -> f64 {
+    let omega = Vector3::new(twist[0], twist[1], twist[2]);
+    match parameter.kind {
+        ParameterKind::Turn { joint, direction } => {
+            omega.dot(if direction == 0 { &bases[joint].a } else { &bases[joint].b })
+        }
+        ParameterKind::Move { joint, direction } => {
+            let at_centre = Vector3::new(twist[3], twist[4], twist[5]) + omega.cross(&bases[joint].centre.coords);
+            at_centre.dot(if direction == 0 { &bases[joint].a } else { &bases[joint].b })
+        }
+        _ => 0.0,
+    }
+}
+
+fn about(point: &Vector3<f64>, omega: Vector3<f64>, shift: Vector3<f64>) -> Vector6<f64> {
+    let v = point.cross(&omega) + shift;
+    Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z)
+}
+
+/// A common motion of all axes is held by the frame, not by what was measured before: so much of it is allowed for, rad and m
+/// alike. The number changes no result.
+const COMMON: f64 = 0.03;
+/// A direction that resists a common motion less than this is not moved by it.
+const MOVES_NOTHING: f64 = 1e-9;
+/// Share of a tolerance that nobody knows a parameter better than: it keeps the covariance invertible.
+const BEST_KNOWN: f64 = 1e-6;
+
+/// Deviation of ln κ, κ the share of its tolerances that a robot uses.
+pub const SHARE_USED: f64 = 0.7;
+
+/// What is expected of the joints' parameters: a normal distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// Mean deviation from the drawing, in the parameters' units: 0 where nothing was measured before.
+    pub mean: DVector<f64>,
+    /// Inverse covariance, in units of 1 over the parameters' units.
+    pub precision: DMatrix<f64>,
+    /// Inverse covariance by the drawing's tolerances alone.
+    pub of_drawing: DMatrix<f64>,
+    /// Covariance by the drawing's tolerances alone, in tolerances.
+    drawn: DMatrix<f64>,
+    /// How many times the variance of the drawing's tolerances is expected, where nothing was measured before.
+    pub widened: f64,
+}
+
+/// What is known of some parameters from elsewhere, in their order: index among the layout's parameters, mean, covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownBefore {
+    /// Indices among the joints' parameters of a layout, each once.
+    pub indices: Vec<usize>,
+    /// Mean deviation from the drawing, in the parameters' units.
+    pub mean: DVector<f64>,
+    /// Covariance, in the parameters' units; directions in which the common frame was held have none.
+    pub covariance: DMatrix<f64>,
+    /// How much of it counts, from 0 to 1.
+    pub weight: f64,
+}
+
+impl Prior {
+    /// By the drawing's tolerances.
+    pub fn of_drawing(
+        chain: &Chain,
+        parameters: &[Parameter],
+        bases: &[AxisBasis],
+        frames: &Frames,
+        tolerances: &Tolerances,
+    ) -> Self {
+        let drawn = covariance_of_drawing(chain, parameters, bases, frames, tolerances);
+        let precision = precise(&drawn, parameters);
+        Self { mean: DVector::zeros(parameters.len()), of_drawing: precision.clone(), precision, drawn, widened: 1.0 }
+    }
+
+    /// The same where some of the parameters were identified before.
+    ///
+    /// With K those known before, μ and C their mean and covariance, U all others and D the drawing's covariance,
+    /// U = A K + e, A = D_UK D_KK⁻¹, e with the covariance D_UU - A D_KU. What was measured then counts as if its rows had the
+    /// power `weight` in the likelihood: precision w P + (1 - w) P_drawing (Ibrahim and Chen 2000, Statistical Science 15, 46).
+    #[must_use]
+    pub fn knowing(self, parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames, before: &KnownBefore) -> Self {
+        let count = parameters.len();
+        let drawn = &self.drawn;
+        let known = &before.indices;
+        let others: Vec<usize> = (0..count).filter(|index| !known.contains(index)).collect();
+        let block = |rows: &[usize], columns: &[usize]| drawn.select_rows(rows).select_columns(columns);
+        let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+        let mut covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
+            before.covariance[(i, k)] / (unit(known[i]) * unit(known[k]))
+        });
+        for (frame, twist) in common_motions(frames) {
+            let moved = moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame);
+            let own = DVector::from_iterator(known.len(), known.iter().map(|&index| moved[index] * COMMON));
+            covariance += &own * own.transpose();
+        }
+        for i in 0..known.len() {
+            covariance[(i, i)] += BEST_KNOWN.powi(2);
+        }
+        let inverse = symmetric::inverse(&block(known, known), BEST_KNOWN.powi(2));
+        let along = block(&others, known) * inverse;
+        let rest = block(&others, &others) - &along * block(known, &others);
+        let cross = &along * &covariance;
+        let own = &cross * along.transpose() + rest;
+        let mut all = DMatrix::zeros(count, count);
+        let mut place = |rows: &[usize], columns: &[usize], values: &DMatrix<f64>| {
+            for (i, &row) in rows.iter().enumerate() {
+                for (k, &column) in columns.iter().enumerate() {
+                    all[(row, column)] = values[(i, k)];
+                    all[(column, row)] = values[(i, k)];
+                }
+            }
+        };
+        place(known, known, &covariance);
+        place(&others, known, &cross);
+        place(&others, &others, &own);
+        let scaled = DVector::from_fn(known.len(), |i, _| before.mean[i] / unit(known[i]));
+        let expected = &along * &scaled;
+        let mut mean = DVector::zeros(count);
+        for (i, &index) in known.iter().enumerate() {
+            mean[index] = before.mean[i];
+        }
+        for (i, &index) in others.iter().enumerate() {
+            mean[index] = expected[i] * unit(index);
+        }
+        let full = precise(&all, parameters);
+        let precision = &full * before.weight + &self.of_drawing * (1.0 - before.weight);
+        let pull = &full * mean * before.weight;
+        let mean = covariance_of(&precision, parameters) * pull;
+        Self { mean, precision, ..self }
+    }
+
+    /// Covariance of the parameters, in their units.
+    pub fn covariance(&self, parameters: &[Parameter]) -> DMatrix<f64> {
+        covariance_of(&self.precision, parameters)
+    }
+
+    /// By the drawing's tolerances, their variance `widened` times as large.
+    #[must_use]
+    pub fn with_variance(self, widened: f64) -> Self {
+        Self { precision: &self.of_drawing / widened, widened, ..self }
+    }
+
+    /// Whether the drawing alone says what is expected.
+    pub fn is_of_drawing(&self) -> bool {
+        self.precision == &self.of_drawing / self.widened
+    }
+}
+
+/// Of each frame, turns about the base's axes and moves along them, by 1 rad and 1 m.
+fn common_motions(frames: &Frames) -> impl Iterator<Item = (usize, Vector6<f64>)> {
+    (0..frames.count).flat_map(|frame| (0..6).map(move |k| (frame, Vector6::ith(k, 1.0))))
+}
+
+/// What a twist of the axes of some joints does to each parameter, in tolerances.
+fn moved_by(
+    twist: &Vector6<f64>,
+    parameters: &[Parameter],
+    bases: &[AxisBasis],
+    carried: impl Fn(usize) -> bool,
+) -> Vec<f64> {
+    let of = |parameter: &Parameter| {
+        let along = parameter.kind.joint().is_some_and(&carried);
+        if along { change_in_basis(parameter, bases, twist) / parameter.tolerance.unwrap_or(1.0) } else { 0.0 }
+    };
+    parameters.iter().map(of).collect()
+}
+
+/// Inverse of a covariance in tolerances, in units of 1 over the parameters' units.
+fn precise(covariance: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+    let count = parameters.len();
+    let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+    let mut precision = symmetric::inverse(covariance, BEST_KNOWN.powi(2));
+    for i in 0..count {
+        for k in 0..count {
+            precision[(i, k)] /= unit(i) * unit(k);
+        }
+    }
+    precision
+}
+
+/// Inverse of a precision in units of 1 over the parameters' units.
+pub fn covariance_of(precision: &DMatrix<f64>, parameters: &[Parameter]) -> DMatrix<f64> {
+    let unit = |index: usize| parameters[index].tolerance.unwrap_or(1.0);
+    let count = parameters.len();
+    let scaled = DMatrix::from_fn(count, count, |i, k| precision[(i, k)] * unit(i) * unit(k));
+    let inverse = symmetric::inverse(&scaled, 0.0);
+    DMatrix::from_fn(count, count, |i, k| inverse[(i, k)] * unit(i) * unit(k))
+}
+
+/// Directions of the joints' parameters, in tolerances, that no common motion of a frame's axes moves along: orthonormal columns.
+pub fn free_of_common_motions(parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames) -> DMatrix<f64> {
+    let count = parameters.len();
+    let mut moved = DMatrix::<f64>::zeros(count, 6 * frames.count);
+    for (mut column, (frame, twist)) in moved.column_iter_mut().zip(common_motions(frames)) {
+        column.copy_from_slice(&moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame));
+    }
+    let largest = moved.column_iter().map(|column| column.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    for mut column in moved.column_iter_mut() {
+        let size = column.norm();
+        column.scale_mut(if size > MOVES_NOTHING * largest { size.recip() } else { 0.0 });
+    }
+    let eigen = (&moved * moved.transpose()).symmetric_eigen();
+    let free: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] < MOVES_NOTHING).collect();
+    eigen.eigenvectors.select_columns(&free)
+}
+
+/// What may be off about a robot, and what it does to the joints' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What is off.
+    pub of: SourceKind,
+    /// Change of each parameter by a standard deviation of it, in tolerances.
+    pub moved: DVector<f64>,
+}
+
+/// What may be off about a robot: the errors of one kind are equally large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SourceKind {
+    /// The direction of an axis on the link that carries it.
+    Turn,
+    /// Its place.
+    Shift,
+    /// The zero of a joint.
+    Zero,
+    /// Pitches, scales, and zeros that are parameters of their own.
+    Ratio,
+}
+
+/// All that may be off about a robot beside where it stands, by the drawing's tolerances.
+pub fn sources(
+    chain: &Chain,
+    parameters: &[Parameter],
+    bases: &[AxisBasis],
+    frames: &Frames,
+    tolerances: &Tolerances,
+) -> Vec<Source> {
+    let mut sources = Vec::new();
+    for (i, parameter) in parameters.iter().enumerate() {
+        let by_itself = |kind| {
+            matches!(kind, ParameterKind::Pitch { .. } | ParameterKind::Scale { .. } | ParameterKind::Zero { .. })
+        };
+        if by_itself(parameter.kind) {
+            let moved = DVector::from_fn(parameters.len(), |k, _| if k == i { 1.0 } else { 0.0 });
+            sources.push(Source { of: SourceKind::Ratio, moved });
+        }
+    }
+    let mut add = |of: SourceKind, twist: &Vector6<f64>, deviation: f64, carried: &dyn Fn(usize) -> bool| {
+        let moved = DVector::from_vec(moved_by(twist, parameters, bases, carried)) * deviation;
+        sources.push(Source { of, moved });
+    };
+    for (index, joint) in chain.joints().iter().enumerate() {
+        let centre = bases[index].centre.coords;
+        for k in 0..3 {
+            let e = Vector3::ith(k, 1.0);
+            let on_it = |joint| frames.carries(index, joint);
+            add(SourceKind::Turn, &about(&centre, e, Vector3::zeros()), tolerances.turn, &on_it);
+            add(SourceKind::Shift, &about(&centre, Vector3::zeros(), e), tolerances.shift, &on_it);
+        }
+        let slides = chain.coordinates()[joint.coordinate].quantity == Quantity::Length;
+        let zero = if slides { tolerances.zero_slide } else { tolerances.zero_turn };
+        add(SourceKind::Zero, &joint.screw.twist(), zero, &|other| other > index && frames.carries(index, other));
+    }
+    sources
+}
+
+/// Covariance of the joints' parameters by the drawing, in tolerances, so that rad and m mix well.
+fn covariance_of_drawing(
+    chain: &Chain,
+    parameters: &[Parameter],
+    bases: &[AxisBasis],
+    frames: &Frames,
+    tolerances: &Tolerances,
+) -> DMatrix<f64> {
+    let base = common_motions(frames).map(|(frame, twist)| {
+        DVector::from_vec(moved_by(&twist, parameters, bases, |joint| frames.joints[joint] == frame)) * BASE
+    });
+    let sources = sources(chain, parameters, bases, frames, tolerances).into_iter().map(|source| source.moved);
+    let mut covariance = DMatrix::<f64>::zeros(parameters.len(), parameters.len());
+    for moved in base.chain(sources) {
+        covariance += &moved * moved.transpose();
+    }
+    covariance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Freedom, Layout};
+    use denavit_measurements::Scene;
+    use denavit_model::examples;
+
+    #[test]
+    fn knowing_what_the_drawing_says_changes_nothing() {
+        for chain in examples::all() {
+            let (freedom, tolerances) = (Freedom::axes(chain.joints().len()), Tolerances::default());
+            let layout = Layout::new(&chain, &Scene::default(), &freedom, &tolerances, Vec::new());
+            let covariance = layout.prior.of_drawing.clone().cholesky().unwrap().inverse();
+            let indices: Vec<usize> = (0..layout.len()).filter(|index| index % 3 != 1).collect();
+            let before = KnownBefore {
+                weight: 1.0,
+                mean: DVector::zeros(indices.len()),
+                covariance: covariance.select_rows(&indices).select_columns(&indices),
+                indices,
+            };
+            let known = layout.clone().knowing(&before).prior;
+            // Scaled to the tolerances; the common motion that is allowed for beside the drawing's own is what differs.
+            let unit = DVector::from_iterator(layout.len(), layout.parameters.iter().map(|p| p.tolerance.unwrap()));
+            let scaled = |matrix: &DMatrix<f64>| {
+                DMatrix::from_fn(unit.len(), unit.len(), |i, k| matrix[(i, k)] * unit[i] * unit[k])
+            };
+            let (own, drawing) = (scaled(&known.precision), scaled(&known.of_drawing));
+            assert!((&own - &drawing).norm() < 1e-2 * drawing.norm(), "{}", (&own - &drawing).norm() / drawing.norm());
+            assert!(!known.is_of_drawing() && layout.prior.is_of_drawing());
+        }
+    }
+
+    #[test]
+    fn what_was_measured_pulls_what_hangs_on_it_along() {
+        // The fifth axis is known to be turned; the one behind it stands on the same links.
+        let chain = examples::puma_like();
+        let (freedom, tolerances) = (Freedom::axes(6), Tolerances::default());
+        let layout = Layout::new(&chain, &Scene::default(), &freedom, &tolerances, Vec::new());
+        let at = |name: &str| layout.parameters.iter().position(|parameter| parameter.name == name).unwrap();
+        let known_axes: Vec<usize> =
+            (0..layout.len()).filter(|&k| layout.parameters[k].kind.joint() <= Some(4)).collect();
+        let mut mean = DVector::zeros(known_axes.len());
+        let turned = at("joint_5.turn_x");
+        mean[known_axes.iter().position(|&k| k == turned).unwrap()] = 5e-3;
+        let before = KnownBefore {
+            weight: 1.0,
+            indices: known_axes.clone(),
+            covariance: DMatrix::identity(known_axes.len(), known_axes.len()) * 1e-12,
+            mean,
+        };
+        let prior = layout.clone().knowing(&before).prior;
+        let last = at("joint_6.turn_x");
+        assert!((prior.mean[turned] - 5e-3).abs() < 1e-7);
+        assert!(prior.mean[last] > 2e-3, "{}", prior.mean[last]);
+        let spread = prior.precision.clone().cholesky().unwrap().inverse();
+        assert!(spread[(last, last)].sqrt() > 5e-4);
+    }
+}

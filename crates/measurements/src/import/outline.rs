@@ -1,0 +1,107 @@
+//! The columns of a file as they stand, to ask a person what each one is.
+
+use super::{ANGLE_COLUMNS, ImportProblem, QUATERNIONS, Work, bracketed, grid, map, names_a_joint, plain};
+use crate::Units;
+use denavit_model::Chain;
+use serde::Serialize;
+
+/// Values of a column that are shown beside its name.
+const SHOWN: usize = 3;
+
+/// A column of a file, and what it is likely to be.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileColumn {
+    /// Its name in the header row, or `column 2` where there is none.
+    pub name: String,
+    /// Its unit, where the file states it.
+    pub unit: Option<String>,
+    /// Its first values, as written.
+    pub first: Vec<String>,
+    /// The contract's name for it, such as a joint's, `x` or `temperature`; none where nothing suggests one.
+    pub meaning: Option<String>,
+    /// Whether its own name says so; else it is a guess, to be confirmed.
+    pub sure: bool,
+    /// Whether it is one of three angles or of four numbers of a quaternion whose order its name does not tell.
+    pub orientation: bool,
+}
+
+/// The columns of a file, in its order.
+///
+/// # Errors
+/// A file without rows, or a workbook that cannot be read; the message does not name the file.
+pub fn outline(bytes: &[u8], chain: &Chain) -> Result<Vec<FileColumn>, ImportProblem> {
+    let cells = grid::read(bytes, &|name| names_a_joint(name, chain)).map_err(|fault| fault.problem)?;
+    let work = Work { grid: &cells, chain, units: Units::default(), taken: Vec::new(), ignored: Vec::new() };
+    let (joints, places) = (map::joint_columns(&cells, chain), map::place_columns(&cells));
+    let said: Vec<Option<String>> = cells.names.iter().map(|name| work.meaning(name)).collect();
+    let guess = |name: &String| {
+        let joint = joints.iter().position(|column| *column == Some(name));
+        let place = || places.iter().position(|column| *column == Some(name));
+        let joint = joint.map(|k| chain.coordinates()[k].name.clone());
+        // What another column says of itself is not guessed of this one.
+        joint
+            .or_else(|| place().map(|k| ["x", "y", "z"][k].to_owned()))
+            .filter(|guess| !said.contains(&Some(guess.clone())))
+    };
+    let letters = |name: &String| plain(name).replace(['_', '.'], "");
+    let all: Vec<String> = cells.names.iter().map(letters).collect();
+    let together = |group: &[&str]| group.iter().all(|name| all.iter().any(|own| own == name));
+    let groups = || {
+        let angles = ANGLE_COLUMNS.iter().map(|(group, _)| &group[..]);
+        angles.chain(QUATERNIONS.iter().map(|group| &group[..])).filter(|group| together(group))
+    };
+    let columns = cells.names.iter().enumerate().map(|(k, name)| {
+        let turning = said[k].is_none() && groups().any(|group| group.contains(&all[k].as_str()));
+        let unit = cells.units[k].clone().or_else(|| bracketed(name).map(|(_, unit)| unit.to_owned()));
+        FileColumn {
+            name: name.clone(),
+            unit,
+            first: cells.rows.iter().take(SHOWN).map(|(_, row)| row.get(k).cloned().unwrap_or_default()).collect(),
+            meaning: said[k].clone().or_else(|| guess(name).filter(|_| !turning)),
+            sure: said[k].is_some(),
+            orientation: turning,
+        }
+    });
+    Ok(columns.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use denavit_model::Reading;
+    use denavit_model::urdf::read;
+
+    fn chain() -> Chain {
+        let joint = |k: usize| {
+            format!(
+                "<link name=\"l{k}\"/><joint name=\"joint_a{k}\" type=\"continuous\"><parent link=\"l{}\"/><child link=\"l{k}\"/>\
+                 <origin xyz=\"{k} 0 0\"/></joint>",
+                k - 1
+            )
+        };
+        let text = format!("<robot name=\"r\"><link name=\"l0\"/>{}{}</robot>", joint(1), joint(2));
+        read("r.urdf", &text).unwrap().chain(None, None, Reading::Intended).unwrap().value
+    }
+
+    #[test]
+    fn names_that_say_what_they_are_are_sure_and_others_are_guessed() {
+        let text = "Joint A1,J2,T_x [mm],T_y [mm],T_z [mm],rx,ry,rz,Temperature,operator\n0,1,2,3,4,5,6,7,20,Ann\n";
+        let columns = outline(text.as_bytes(), &chain()).unwrap();
+        let seen: Vec<_> = columns.iter().map(|it| (it.meaning.as_deref(), it.sure, it.orientation)).collect();
+        let expected = [
+            (Some("joint_a1"), true, false),
+            (Some("joint_a2"), false, false),
+            (Some("x"), false, false),
+            (Some("y"), false, false),
+            (Some("z"), false, false),
+            (None, false, true),
+            (None, false, true),
+            (None, false, true),
+            (Some("temperature"), true, false),
+            (None, false, false),
+        ];
+        assert_eq!(seen, expected);
+        assert_eq!(columns[2].unit.as_deref(), Some("mm"));
+        assert_eq!(columns[9].first, ["Ann"]);
+    }
+}

@@ -1,0 +1,162 @@
+//! Lines of a curve's spectrum: orders that hold much of it.
+
+use crate::infer::model::Kernel;
+use denavit_identify::effects::curve::Curve;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Readings at which a curve is laid under a line.
+const PLACES: usize = 600;
+/// Orders tried per period over the range: neighbours then differ by a tenth of a period.
+const PER_PERIOD: f64 = 10.0;
+/// A line holds at least this share of the curve: with less it is one wave among many.
+const STANDS_OUT: f64 = 0.2;
+/// A curve that is left so large without its best straight line, as a share, is none that a scale explains.
+const LEFT_OF_A_LINE: f64 = 0.5;
+/// So many are listed.
+const LISTED: usize = 3;
+
+/// A sine in a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Line {
+    /// Periods per 2π of the reading (rad; for a slide, of 2π m).
+    pub order: f64,
+    /// Its amplitude, rad or m.
+    pub amplitude: f64,
+    /// Share of the curve's variance over the range that it holds.
+    pub share: f64,
+}
+
+/// The curve over its range, and its root mean square about its mean, rad or m.
+pub fn course(curve: &Curve) -> (Vec<(f64, f64)>, f64) {
+    let (low, high) = curve.range;
+    let course: Vec<(f64, f64)> = (0..PLACES)
+        .map(|k| low + (high - low) * k as f64 / (PLACES - 1) as f64)
+        .map(|reading| (reading, curve.value(reading)))
+        .collect();
+    let mean = course.iter().map(|(_, y)| y).sum::<f64>() / PLACES as f64;
+    let rms = (course.iter().map(|(_, y)| (y - mean).powi(2)).sum::<f64>() / PLACES as f64).sqrt();
+    (course, rms)
+}
+
+/// What a curve would be beside a scale of its joint: the kernel of what is left of it without the straight line that fits it best.
+/// Nothing where that line does not hold most of it.
+pub fn beside_a_scale(curve: &Curve) -> Option<Kernel> {
+    let (course, rms) = course(curve);
+    let count = course.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| course.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(&|place| place.0), mean(&|place| place.1));
+    let slope = mean(&|place| (place.0 - x) * (place.1 - y)) / mean(&|place| (place.0 - x).powi(2));
+    let left: Vec<f64> = course.iter().map(|place| place.1 - y - slope * (place.0 - x)).collect();
+    let size = (left.iter().map(|left| left * left).sum::<f64>() / count).sqrt();
+    let step = (curve.range.1 - curve.range.0) / (count - 1.0);
+    let steep = left.windows(2).map(|pair| ((pair[1] - pair[0]) / step).powi(2)).sum::<f64>() / (count - 1.0);
+    // A Matérn curve of smoothness 5/2 has slopes of variance 5/3 · (size/length)².
+    let length = (5.0f64 / 3.0).sqrt() * size / steep.sqrt();
+    let kernel = Kernel { log_variance: 2.0 * size.ln(), log_length: length.ln() };
+    (size < LEFT_OF_A_LINE * rms && kernel.log_variance.is_finite() && kernel.log_length.is_finite()).then_some(kernel)
+}
+
+/// Lines that stand out, the strongest first. Each is fitted with a constant, taken out, and the next is looked for.
+pub fn lines(curve: &Curve) -> Vec<Line> {
+    let (course, rms) = course(curve);
+    let total = rms * rms * course.len() as f64;
+    let mean = course.iter().map(|(_, y)| y).sum::<f64>() / course.len() as f64;
+    let mut left: Vec<(f64, f64)> = course.iter().map(|(x, y)| (*x, y - mean)).collect();
+    let span = curve.range.1 - curve.range.0;
+    // One period over the range is the least that can be called one.
+    let lowest = TAU / span;
+    let highest = curve.waves.frequency(curve.waves.len() - 1);
+    let count = ((highest - lowest) / (lowest / PER_PERIOD)).max(0.0) as usize;
+    let mut found = Vec::new();
+    while found.len() < LISTED && total > 0.0 {
+        let orders = (0..=count).map(|k| lowest * (1.0 + k as f64 / PER_PERIOD));
+        let best = orders.map(|order| (sine(&left, order), order)).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        let Some(((held, s, c), order)) = best else { break };
+        let share = held / total;
+        if share < STANDS_OUT {
+            break;
+        }
+        found.push(Line { order, amplitude: s.hypot(c), share });
+        for (x, y) in &mut left {
+            let (sine, cosine) = (order * *x).sin_cos();
+            *y -= s * sine + c * cosine;
+        }
+    }
+    found
+}
+
+/// How much of the sum of squares a sine of this order explains, and its two numbers.
+fn sine(points: &[(f64, f64)], order: f64) -> (f64, f64, f64) {
+    let (mut ss, mut sc, mut cc, mut ys, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (x, y) in points {
+        let (s, c) = (order * x).sin_cos();
+        ss += s * s;
+        sc += s * c;
+        cc += c * c;
+        ys += y * s;
+        yc += y * c;
+    }
+    let determinant = ss * cc - sc * sc;
+    if determinant <= 1e-9 * ss * cc {
+        return (0.0, 0.0, 0.0);
+    }
+    let (a, b) = ((ys * cc - yc * sc) / determinant, (yc * ss - ys * sc) / determinant);
+    (a * ys + b * yc, a, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use denavit_identify::effects::curve::Waves;
+
+    #[test]
+    fn beside_a_scale_a_curve_is_what_the_line_leaves() {
+        let waves = Waves::over(-3.0, 3.0, false, 40.0, 200);
+        let Waves::Sines { low, width, count } = waves.clone() else { unreachable!() };
+        // A line of 1 mrad per rad as its sine series, and a wave of 0.1 mrad beside it.
+        let place = |k: usize| std::f64::consts::PI * (k + 1) as f64;
+        let line = |k: usize| {
+            let (n, middle) = (place(k), 0.5 * width);
+            -1e-3 * 2.0 * (width * n.cos() - middle * (n.cos() - 1.0)) / n
+        };
+        let mut weights: Vec<f64> = (0..count).map(line).collect();
+        let curve = |weights: &[f64]| Curve {
+            joint: 0,
+            waves: Waves::Sines { low, width, count },
+            weights: weights.to_vec(),
+            range: (-2.0, 2.0),
+            size: 1e-3,
+            length: 1.0,
+            spread: vec![0.0; 2],
+        };
+        weights[19] += 1e-4;
+        let kernel = beside_a_scale(&curve(&weights)).unwrap();
+        let (size, order) = (kernel.log_variance.exp().sqrt(), 20.0 * std::f64::consts::PI / width);
+        assert!((0.6e-4..1.1e-4).contains(&size), "{size}");
+        // The slope of a sine is its order times its size.
+        let length = kernel.log_length.exp() * order / (5.0f64 / 3.0).sqrt();
+        assert!((0.5..1.1).contains(&length), "{length}");
+        let mut wave = vec![0.0; count];
+        wave[19] = 1e-3;
+        assert_eq!(beside_a_scale(&curve(&wave)), None);
+    }
+
+    #[test]
+    fn a_sine_is_a_line_of_its_order() {
+        let waves = Waves::over(-3.0, 3.0, false, 40.0, 200);
+        let Waves::Sines { low, width, count } = waves else {
+            panic!("a joint that does not turn all round has sines")
+        };
+        // The wave itself, on its own interval.
+        let mut weights = vec![0.0; count];
+        weights[29] = 2e-4;
+        let order = 30.0 * std::f64::consts::PI / width;
+        let waves = Waves::Sines { low, width, count };
+        let curve =
+            Curve { joint: 0, waves, weights, range: (-3.0, 3.0), size: 1e-4, length: 0.1, spread: vec![0.0; 2] };
+        let found = lines(&curve);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].order - order).abs() < 0.15 && (found[0].amplitude - 2e-4).abs() < 1e-5, "{found:?}");
+    }
+}

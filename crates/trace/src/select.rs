@@ -1,0 +1,427 @@
+//! The search that proposes: add the best, refit, and say what comes near. What acts is said by the judgement.
+
+use crate::downdate::Reduced;
+use crate::linear::{Linear, linearise};
+use crate::search::{CandidateScorer, Linearised, Scored, carriers_of, driven, leaders};
+use crate::unexplained::{self, Block};
+use crate::{ScanCell, TraceOptions};
+use denavit_identify::arm::Arm;
+use denavit_identify::averaging::LEAST_REJECTED;
+use denavit_identify::effects::carrier::Carrier;
+use denavit_identify::effects::catalogue::{Candidate, KINDS, Kind};
+use denavit_identify::effects::driver::{Driver, Statics};
+use denavit_identify::effects::model::EffectModel;
+use denavit_identify::effects::survey::Survey;
+use denavit_identify::fit_stage;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::solve::{Fit, FitOptions};
+use denavit_linear::threads::{get_or_make, in_parallel};
+use denavit_measurements::Measurements;
+use denavit_measurements::kinds::ObservationKind;
+use std::sync::{Arc, OnceLock};
+
+/// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
+const LEAST_DELTA_BIC: f64 = 10.0;
+/// Scanned numbers that explain no more than this (χ²) beyond those at hand are the same.
+const SAME_DROP: f64 = 0.1;
+/// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
+const FAR_OFF: f64 = 0.02;
+/// An effect that explains less than this share of what the present one does is no contender.
+const CONTENDS: f64 = 0.7;
+/// So many contenders of each effect are proposed.
+const NEAREST: usize = 3;
+/// How many of the best candidates of a pass have their scanned numbers refined.
+const REFINED: usize = 6;
+/// So many of the best that could still be added are proposed.
+const PROPOSED: usize = 24;
+/// χ² that the last step of a fit may promise: far less than what an effect must gain.
+const PROMISE_AT_END: f64 = 1e-2;
+/// So many effects may hide behind rejected rows.
+const MOST_LOCAL: usize = 3;
+/// Effects that the search takes step by step: with what comes near them and could be added there are candidates enough. How many act says the
+/// judgement.
+const STEPPED: usize = 8;
+/// Pull of a rejected row that comes back, in units of the noise.
+const BOUNDED: f64 = 4.0;
+
+/// The search and what it works with.
+pub struct Tracer<'a> {
+    pub(crate) data: &'a Measurements,
+    pub(crate) statics: &'a Statics,
+    pub(crate) options: &'a TraceOptions,
+    pub(crate) geometric: &'a Fit<NoEffects>,
+    pub(crate) survey: Survey,
+    pub(crate) candidates: Vec<Candidate>,
+    /// What drives each of them, see [`driven`].
+    driven: OnceLock<Vec<Vec<f64>>>,
+    /// What may be left that no entry explains.
+    blocks: OnceLock<Vec<Block>>,
+    carriers: Vec<Carrier>,
+}
+
+/// The model at one point of the search.
+#[derive(Clone)]
+pub struct State {
+    pub(crate) chosen: Vec<Candidate>,
+    pub(crate) fit: Fit<EffectModel>,
+    /// What was asked of the model there.
+    at: Arc<OnceLock<Linearised>>,
+}
+
+/// What the search puts before the judge.
+pub struct Proposals {
+    /// The terms.
+    pub(crate) candidates: Vec<Candidate>,
+    /// The model that the search ended with.
+    pub(crate) state: State,
+    /// The first pass.
+    pub(crate) scan: Vec<ScanCell>,
+}
+
+impl State {
+    /// The model of a fit.
+    pub(crate) fn new(chosen: Vec<Candidate>, fit: Fit<EffectModel>) -> Self {
+        Self { chosen, fit, at: Arc::default() }
+    }
+
+    /// The columns of these effects, with their coefficients.
+    fn columns_of(&self, effects: &[usize]) -> Vec<(usize, f64)> {
+        let all = self.fit.effects.effects.iter().enumerate();
+        let numbers = all.flat_map(|(index, effect)| effect.coefficients.iter().map(move |number| (index, *number)));
+        let own = numbers.enumerate().filter(|(_, (index, _))| effects.contains(index));
+        own.map(|(column, (_, number))| (column, number)).collect()
+    }
+}
+
+impl<'a> Tracer<'a> {
+    /// Looks at the data and lists the candidates.
+    pub fn new(
+        statics: &'a Statics,
+        data: &'a Measurements,
+        geometric: &'a Fit<NoEffects>,
+        options: &'a TraceOptions,
+    ) -> Self {
+        let survey = Survey::of(statics, data, options.gear_ratios.clone());
+        let wanted = |kind: Kind| options.kinds.is_empty() || options.kinds.contains(&kind);
+        let candidates: Vec<Candidate> =
+            KINDS.iter().filter(|entry| wanted(entry.kind)).flat_map(|entry| (entry.terms)(&survey)).collect();
+        let mut carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
+        for carrier in unexplained::carriers(&survey) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
+        Self {
+            data,
+            statics,
+            options,
+            geometric,
+            survey,
+            candidates,
+            driven: OnceLock::new(),
+            blocks: OnceLock::new(),
+            carriers,
+        }
+    }
+
+    /// The terms that are worth being judged: a search step by step, from geometry alone. `some`: the rows that it looks at and the fit there, if
+    /// they are not all. These show what there is to be found, but not to the last digit where it is.
+    pub(crate) fn proposals(&self, some: Option<(&Measurements, &Fit<NoEffects>)>) -> Proposals {
+        let Proposals { mut candidates, state: found, scan } = match some {
+            Some((data, geometric)) => self.on(data, geometric).searched(),
+            None => self.searched(),
+        };
+        let mut state = found.clone();
+        if some.is_some() {
+            let fitted = self.refitted(found.chosen.clone(), Some(&found));
+            state = self.moved(&fitted).unwrap_or(fitted);
+        }
+        while rejected(&state.fit) > 0
+            && let Some(next) = self.moved(&state).filter(|next| rejected(&next.fit) < rejected(&state.fit))
+        {
+            state = next;
+        }
+        for (found, moved) in found.chosen.iter().zip(&state.chosen) {
+            let same = candidates.iter_mut().filter(|candidate| candidate.term == found.term);
+            same.for_each(|candidate| *candidate = moved.clone());
+        }
+        Proposals { candidates, state, scan }
+    }
+
+    /// A state with its scanned numbers where all rows say that they are, those that it takes for outliers as well, if that is elsewhere: a step
+    /// that stands on the wrong side of some rows makes outliers of them, and none of the others say so.
+    fn moved(&self, state: &State) -> Option<State> {
+        let moved = self.rescanned(self.opened(state));
+        (!same_terms(&moved.chosen, &state.chosen)).then(|| self.refitted(moved.chosen.clone(), Some(&moved)))
+    }
+
+    /// The same on some of the rows: what may be looked for is what all of them let one ask.
+    fn on<'b>(&'b self, data: &'b Measurements, geometric: &'b Fit<NoEffects>) -> Tracer<'b> {
+        Tracer {
+            data,
+            statics: self.statics,
+            options: self.options,
+            geometric,
+            survey: self.survey.clone(),
+            candidates: self.candidates.clone(),
+            driven: OnceLock::new(),
+            blocks: OnceLock::new(),
+            carriers: self.carriers.clone(),
+        }
+    }
+
+    /// What drives each candidate, see [`driven`].
+    pub(crate) fn driven(&self) -> &[Vec<f64>] {
+        get_or_make(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
+    }
+
+    /// Functions of one or two variables that what no entry explains is written as.
+    pub(crate) fn blocks(&self) -> &[Block] {
+        self.blocks.get_or_init(|| unexplained::blocks(self))
+    }
+
+    /// A search step by step, from geometry alone.
+    fn searched(&self) -> Proposals {
+        let bare = self.refitted(Vec::new(), None);
+        let mut state = bare.clone();
+        for _ in 0..MOST_LOCAL {
+            let Some(next) = self.local(&state) else { break };
+            state = next;
+        }
+        let mut scan = Vec::new();
+        for _ in 0..self.options.max_effects.map_or(STEPPED, |most| most.min(STEPPED)) {
+            let Some(next) = self.asked_for(&state, &mut scan) else { break };
+            state = self.rescanned(self.added(&state, &next));
+        }
+        for index in 0..state.chosen.len() {
+            state = self.swapped(&state, index).unwrap_or(state);
+        }
+        let mut candidates = Vec::new();
+        self.propose(&state, &mut candidates);
+        if !state.chosen.is_empty() {
+            self.propose(&bare, &mut candidates);
+        }
+        Proposals { candidates, state, scan }
+    }
+
+    /// What the data ask for first beside a state, if they do.
+    fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
+        let linear = self.linear(state);
+        let scorer = self.scorer(linear);
+        let model = self.loosely_without(state, &[]);
+        let mut scored = self.scored(state, &model);
+        if scan.is_empty() {
+            *scan = self.scan(&scored);
+        }
+        if self.far_off(state) {
+            scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
+        }
+        self.best(&scorer, &model, &scored).map(|best| best.candidate)
+    }
+
+    /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
+    fn far_off(&self, state: &State) -> bool {
+        let in_metres = self.data.scene.series.iter().all(|series| {
+            [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].contains(&series.kind)
+        });
+        in_metres && state.fit.noise.first() > FAR_OFF
+    }
+
+    /// Adds the terms of a state, those that come near each of them, and the best that could still be added.
+    fn propose(&self, state: &State, proposed: &mut Vec<Candidate>) {
+        let mut add = |candidate: Candidate| {
+            if !proposed.iter().any(|known| known.term == candidate.term) {
+                proposed.push(candidate);
+            }
+        };
+        state.chosen.iter().cloned().for_each(&mut add);
+        (0..state.chosen.len()).flat_map(|index| self.contenders(state, index)).for_each(&mut add);
+        let linear = self.linear(state);
+        let model = self.loosely_without(state, &[]);
+        let scorer = self.scorer(linear);
+        let mut scored = self.scored(state, &model);
+        scored.retain(|scored| scored.delta_bic > 0.0);
+        let best = leaders(&scored, PROPOSED, None);
+        let (first, others) = best.split_at(best.len().min(REFINED));
+        let refined = |candidate: &&Candidate| scorer.refined(&model, &self.survey, candidate).candidate;
+        in_parallel(first, refined).into_iter().chain(others.iter().copied().cloned()).for_each(&mut add);
+    }
+
+    /// Refits with these terms and refines their scanned numbers at the new state.
+    pub(crate) fn refitted(&self, chosen: Vec<Candidate>, start: Option<&State>) -> State {
+        let arm = start.map_or(&self.geometric.arm, |state| &state.fit.arm);
+        self.fitted(chosen, arm, &vec![1.0; self.data.observations()], self.options.identify.fit.robust)
+    }
+
+    fn fitted(&self, chosen: Vec<Candidate>, arm: &Arm, weights: &[f64], robust: bool) -> State {
+        let mut options = self.options.identify.clone();
+        options.fit = FitOptions { robust, least_promise: PROMISE_AT_END, ..options.fit };
+        let chosen = with_steps_joined(chosen);
+        let terms: Vec<_> = chosen.iter().map(|candidate| candidate.term.clone()).collect();
+        let model = EffectModel::of_terms(self.statics, self.options.earlier.as_ref(), &terms);
+        let fit = fit_stage(self.data, arm, &model, weights, &options);
+        State::new(chosen, fit)
+    }
+
+    /// An effect that makes rows of the model that the robust fit took for outliers.
+    ///
+    /// Rejected rows come back with the weight that keeps their pull bounded; what is found there counts only if the
+    /// robust fit then keeps at least half of them.
+    fn local(&self, state: &State) -> Option<State> {
+        let before = rejected(&state.fit);
+        if before < LEAST_REJECTED {
+            return None;
+        }
+        let open = self.opened(state);
+        let linear = self.linear(&open);
+        let model = self.loosely_without(&open, &[]);
+        let scorer = self.scorer(linear);
+        let scored = self.scored(&open, &model);
+        let best = self.best(&scorer, &model, &scored)?;
+        let next = self.rescanned(self.added(state, &best.candidate));
+        // Rows that the place as first scanned left out may come back.
+        let next = self.refitted(next.chosen.clone(), Some(&next));
+        (rejected(&next.fit) * 2 <= before).then_some(next)
+    }
+
+    /// A state with the rows that were rejected back, their pull bounded.
+    fn opened(&self, state: &State) -> State {
+        let mut open = State::new(state.chosen.clone(), state.fit.clone());
+        for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
+            let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
+            *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
+        }
+        open
+    }
+
+    /// The model linearised at a state.
+    pub(crate) fn linear<'b>(&self, state: &'b State) -> &'b Linear {
+        &self.linearised(state).linear
+    }
+
+    pub(crate) fn linearised<'b>(&self, state: &'b State) -> &'b Linearised {
+        let linear = || linearise(self.data, &state.fit, &self.geometric.arm, &self.carriers);
+        get_or_make(&state.at, || Linearised::new(linear()))
+    }
+
+    /// Loose geometry and all effects of a state but those of these indices, and the residual that this would leave: all that finding scanned
+    /// numbers takes.
+    pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Reduced<'b> {
+        self.linearised(state).loose().leaving_out(&state.columns_of(left_out))
+    }
+
+    pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
+        CandidateScorer { data: self.data, statics: self.statics, linear }
+    }
+
+    /// The best candidate of a pass, the leaders' scanned numbers refined.
+    fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Scored> {
+        let leaders = leaders(scored, REFINED, None);
+        let leaders = in_parallel(&leaders, |leader| scorer.refined(model, &self.survey, leader));
+        let passing = leaders.into_iter().filter(|scored| self.passes(scored));
+        passing.max_by(|a, b| a.worth().total_cmp(&b.worth()))
+    }
+
+    /// Beyond chance, with the whole search counted.
+    fn passes(&self, scored: &Scored) -> bool {
+        scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value()) < self.options.false_claims
+    }
+
+    /// A probability with the whole search counted.
+    fn corrected(&self, p_value: f64) -> f64 {
+        (p_value * self.candidates.len() as f64).min(1.0)
+    }
+
+    /// The state with one more term.
+    fn added(&self, state: &State, candidate: &Candidate) -> State {
+        let chosen = state.chosen.iter().chain([candidate]).cloned().collect();
+        self.refitted(chosen, Some(state))
+    }
+
+    /// Refines every scanned number with all else in the model.
+    fn rescanned(&self, state: State) -> State {
+        if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
+            return state;
+        }
+        let linear = self.linear(&state);
+        let scorer = self.scorer(linear);
+        let moved = |&index: &usize| {
+            let candidate = &state.chosen[index];
+            let model = self.loosely_without(&state, &[index]);
+            let refined = scorer.refined(&model, &self.survey, candidate);
+            let better = refined.candidate.scanned != candidate.scanned
+                || refined.gain.drop > scorer.own(&model, candidate).gain.drop + SAME_DROP;
+            better.then_some((index, refined.candidate))
+        };
+        let scanned: Vec<usize> = (0..state.chosen.len()).filter(|&index| state.chosen[index].scanned > 0).collect();
+        let moved: Vec<(usize, Candidate)> = in_parallel(&scanned, moved).into_iter().flatten().collect();
+        if moved.is_empty() {
+            return state;
+        }
+        let mut chosen = state.chosen.clone();
+        for (index, candidate) in moved {
+            chosen[index] = candidate;
+        }
+        self.followed(chosen, &state)
+    }
+
+    /// Refits after a small change: from the state, which rows are outliers being known.
+    fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
+        self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
+    }
+
+    /// The state with a better one in the place of an effect: what was added first may have stood for others that were added later.
+    fn swapped(&self, state: &State, index: usize) -> Option<State> {
+        let (scorer, own) = (self.scorer(self.linear(state)), state.chosen.get(index)?);
+        let model = self.loosely_without(state, &[index]);
+        let best = self.best(&scorer, &model, &self.scored(state, &model))?;
+        (best.candidate.term != own.term && best.worth() > scorer.own(&model, own).worth()).then(|| {
+            let mut chosen = state.chosen.clone();
+            chosen[index] = best.candidate;
+            self.rescanned(self.followed(chosen, state))
+        })
+    }
+
+    /// Candidates that explain nearly as much as one effect of a state does, put in its place.
+    fn contenders(&self, state: &State, index: usize) -> Vec<Candidate> {
+        let scorer = self.scorer(self.linear(state));
+        let model = self.loosely_without(state, &[index]);
+        let own = scorer.own(&model, &state.chosen[index]);
+        let mut scored = self.scored(state, &model);
+        scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop);
+        let near = leaders(&scored, NEAREST, Some(&state.chosen[index]));
+        in_parallel(&near, |other| scorer.refined(&model, &self.survey, other).candidate)
+    }
+}
+
+/// How many rows a fit takes for outliers.
+fn rejected(fit: &Fit<EffectModel>) -> usize {
+    fit.weights.iter().filter(|weight| **weight == 0.0).count()
+}
+
+pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
+}
+
+/// Steps that act at one place are one effect with several steps.
+fn with_steps_joined(chosen: Vec<Candidate>) -> Vec<Candidate> {
+    let mut joined: Vec<Candidate> = Vec::with_capacity(chosen.len());
+    for candidate in chosen {
+        let known = joined.iter_mut().find_map(|other| match (&mut other.term.driver, &candidate.term.driver) {
+            (Driver::Steps { at, .. }, Driver::Steps { at: more, .. })
+                if other.term.carrier == candidate.term.carrier =>
+            {
+                at.extend(more);
+                at.sort_by(f64::total_cmp);
+                at.dedup();
+                other.scanned = at.len();
+                Some(())
+            }
+            _ => None,
+        });
+        if known.is_none() {
+            joined.push(candidate);
+        }
+    }
+    joined
+}
