@@ -123,7 +123,7 @@ pub fn tell_apart<'py>(
         seed,
         ..PlanOptions::new(nominal, count("count", wanted)?, ObservationKind::Position)
     };
-    let found = py.detach(|| result.tell_apart(statics, &options, true));
+    let found = py.detach(|| result.tell_apart(statics, &options));
     let found = found.map_err(|failure| argument(failure.to_string()))?;
     let poses = PyArray1::from_iter(py, found.poses.iter().flatten().copied());
     let poses = poses.reshape([found.poses.len(), nominal.coordinates().len()])?;

@@ -157,7 +157,7 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
         return None;
     }
     let plan_options = PlanOptions::new(chain, ADDED, ObservationKind::Position);
-    let planned = found.tell_apart(statics, &plan_options, true).unwrap();
+    let planned = found.tell_apart(statics, &plan_options).unwrap();
     let is_right = |possible: &denavit_calibrate::apply::plan::tell_apart::Possible| {
         possible.causes.iter().any(|cause| cause.kind.name() == kind && cause.place == place)
     };
@@ -282,7 +282,7 @@ fn real_rows(path: &str, file: &str, draws: u64) {
         let candidates = offered.iter().map(|&row| data.reading(row).to_vec()).collect();
         let wanted =
             PlanOptions { candidates: Some(candidates), ..PlanOptions::new(chain, 40, ObservationKind::Position) };
-        let planned = found.tell_apart(statics, &wanted, true).unwrap();
+        let planned = found.tell_apart(statics, &wanted).unwrap();
         let chosen: Vec<usize> = planned.candidates.iter().map(|&index| offered[index]).collect();
         let optimal = plan(chain, &wanted).unwrap().poses;
         let optimal: Vec<usize> = optimal
@@ -327,7 +327,7 @@ fn time() {
         let whole = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         let few = PlanOptions { spread: 60, ..PlanOptions::new(chain, ADDED, ObservationKind::Position) };
-        let planned = found.tell_apart(statics, &few, false).unwrap();
+        let planned = found.tell_apart(statics, &few).unwrap();
         let own = begun.elapsed().as_secs_f64();
         let possible = planned.prospect.possible.len();
         let written = found.report.prospect.is_some();

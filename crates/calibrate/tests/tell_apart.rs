@@ -33,7 +33,7 @@ fn calibrated(kind: ObservationKind, rows: usize, seed: u64, effects: &[&str]) -
 }
 
 fn planned(found: &Calibration, statics: &Statics, options: &PlanOptions) -> TellApart {
-    found.tell_apart(statics, options, true).unwrap()
+    found.tell_apart(statics, options).unwrap()
 }
 
 #[test]
@@ -113,17 +113,17 @@ fn what_cannot_be_chosen_is_refused() {
         candidates: Some(readings(&chain, 3, 1)),
         ..PlanOptions::new(&chain, 5, ObservationKind::Position)
     };
-    let error = found.tell_apart(&statics, &few, true).unwrap_err();
+    let error = found.tell_apart(&statics, &few).unwrap_err();
     assert!(matches!(error, PlanError::TooFewCandidates { wanted: 5, left: 3, .. }), "{error}");
     let short =
         PlanOptions { candidates: Some(vec![vec![0.0]]), ..PlanOptions::new(&chain, 1, ObservationKind::Position) };
-    assert!(matches!(found.tell_apart(&statics, &short, true), Err(PlanError::Length { .. })));
+    assert!(matches!(found.tell_apart(&statics, &short), Err(PlanError::Length { .. })));
     let puma = denavit_model::examples::puma_like();
     let options =
         SimulationOptions { kind: ObservationKind::Plane, rows: 300, noise_position: 1e-5, ..Default::default() };
     let data = simulate(&puma, &options, &NoEffects).data;
     let (statics, asked) = (Statics::of_chain(&puma), CalibrateOptions::geometry(&puma));
     let found = calibrate(&puma, &statics, data, None, &asked).unwrap();
-    let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, ObservationKind::Position), true).unwrap_err();
+    let error = found.tell_apart(&statics, &PlanOptions::new(&puma, 5, ObservationKind::Position)).unwrap_err();
     assert!(matches!(error, PlanError::InContact(_)), "{error}");
 }

@@ -56,7 +56,7 @@ fn a_joint_that_warms_with_its_work_is_no_drift() {
     assert_eq!(value.unit, "rad/(rad/row)");
     // What it leaves to be told apart, plans can deal with.
     let plan = PlanOptions { spread: 200, ..PlanOptions::new(&chain, 6, ObservationKind::Position) };
-    assert_eq!(found.tell_apart(&statics, &plan, true).unwrap().poses.len(), 6);
+    assert_eq!(found.tell_apart(&statics, &plan).unwrap().poses.len(), 6);
 }
 
 #[test]

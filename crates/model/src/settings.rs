@@ -68,6 +68,7 @@ pub const SETTINGS: &[&str] = &[
     "table-convention",
     "table-units",
     "target-topic",
+    "tell-apart",
     "tip",
     "tolerance",
     "units",

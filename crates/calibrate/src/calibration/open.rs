@@ -35,17 +35,17 @@ impl Calibration {
     ///
     /// # Errors
     /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
-    pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions, exchange: bool) -> Result<TellApart, PlanError> {
-        tell_apart(&self.open(statics), &self.train, options, exchange)
+    pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions) -> Result<TellApart, PlanError> {
+        tell_apart(&self.open(statics), &self.train, options)
     }
 
-    /// What some more poses would decide about the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates, no exchange.
+    /// What some more poses would decide about the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates.
     pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
         if self.report.one_of.is_empty() {
             return None;
         }
         let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, ObservationKind::Position);
         let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
-        self.tell_apart(statics, &options, false).ok().map(|planned| planned.prospect)
+        self.tell_apart(statics, &options).ok().map(|planned| planned.prospect)
     }
 }

@@ -29,7 +29,7 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     if !arguments.tell_apart.is_empty() {
         let found = calibrated(arguments, &robot, units)?;
         let spinner = Spinner::start("choosing poses");
-        let planned = found.tell_apart(&robot.statics, &options, true)?;
+        let planned = found.tell_apart(&robot.statics, &options)?;
         drop(spinner);
         delivery.deliver(|| Ok(planned.to_csv(chain, units)), || Ok(planned.to_json(chain)))?;
         delivery.summary(&planned.to_text())?;

@@ -109,8 +109,6 @@ pub struct TellApart {
     pub usable: usize,
     /// Whether the prediction is judged at candidates that were given, and not over the joint range.
     pub at_given: bool,
-    /// Exchanges made.
-    pub exchanges: usize,
     /// Sides of approach that matter.
     pub approach: Vec<Approach>,
     /// What is open, and what is expected of the poses.
@@ -120,17 +118,11 @@ pub struct TellApart {
 /// Chooses `count` poses of the options' candidates for what is open about the run `data`.
 ///
 /// # Shape and units
-/// `data`: the rows that were fitted, with the columns that the fit was given. `exchange`: whether the choice is
-/// improved by exchanges, which takes most of the time.
+/// `data`: the rows that were fitted, with the columns that the fit was given.
 ///
 /// # Errors
 /// Too few candidates are left, or one has the wrong length; or what was observed last holds the target.
-pub fn tell_apart(
-    open: &Open,
-    data: &Measurements,
-    options: &PlanOptions,
-    exchange: bool,
-) -> Result<TellApart, PlanError> {
+pub fn tell_apart(open: &Open, data: &Measurements, options: &PlanOptions) -> Result<TellApart, PlanError> {
     let arm = open.arm();
     let chain = &arm.nominal;
     let series = last_seen(data)?;
@@ -154,7 +146,7 @@ pub fn tell_apart(
     }
     let hypotheses = open.hypotheses(&rows).ok_or(PlanError::Degenerate)?;
     let mut design = Design::new(Offered::of(&hypotheses, seen, series.len()));
-    design.choose(options.count, exchange);
+    design.choose(options.count);
     let separations = design.separations();
     let [now, expected] = design.unsure(&separations);
     let mut chosen: Vec<(usize, usize)> = design.chosen.iter().map(|&row| each[number[row]]).collect();
@@ -174,7 +166,6 @@ pub fn tell_apart(
         candidates: chosen.iter().map(|(index, _)| *index).collect(),
         usable: visible,
         at_given: options.candidates.is_some(),
-        exchanges: design.exchanges,
         prospect: Prospect {
             poses: chosen.len(),
             for_separation: design.for_separation,

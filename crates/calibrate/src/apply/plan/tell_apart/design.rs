@@ -16,10 +16,6 @@ const DECIDED: f64 = 4e-4;
 /// A pose must lower the logarithm of the bound by this much, or it is better spent on the prediction: twenty of them would not
 /// change odds by a sixth.
 const LEAST_STEP: f64 = 2e-3;
-/// An exchange must lower the logarithm of the bound by this much.
-const LEAST_GAIN: f64 = 1e-3;
-/// Sweeps of exchanges.
-const MOST_SWEEPS: usize = 3;
 
 /// One hypothesis, conditioned on the poses chosen.
 #[derive(Debug, Clone)]
@@ -102,8 +98,6 @@ pub(super) struct Design<'a> {
     pub chosen: Vec<usize>,
     /// How many of them to tell hypotheses apart; the others for the prediction.
     pub for_separation: usize,
-    /// Exchanges made.
-    pub exchanges: usize,
 }
 
 impl<'a> Design<'a> {
@@ -124,7 +118,7 @@ impl<'a> Design<'a> {
         let noncentrality = vec![0.0; count * count];
         let begun = State { of: of.collect(), apart: apart.collect(), noncentrality, toward };
         let (now, columns, chosen) = (begun.clone(), BTreeMap::new(), Vec::new());
-        Self { offered, columns, now, begun, chosen, for_separation: 0, exchanges: 0 }
+        Self { offered, columns, now, begun, chosen, for_separation: 0 }
     }
 
     /// Ordered pairs of different hypotheses, by index.
@@ -175,14 +169,6 @@ impl<'a> Design<'a> {
                 }
                 own.shares.push(covariances);
             }
-        }
-    }
-
-    /// Begins anew with these rows.
-    fn begin(&mut self, rows: &[usize]) {
-        self.now.clone_from(&self.begun);
-        for &row in rows {
-            self.add(row, false);
         }
     }
 
@@ -238,8 +224,8 @@ impl<'a> Design<'a> {
 
     /// Chooses this many of the candidates, one after the other: in turn one that tells the hypotheses apart and one that lowers the
     /// variance of prediction, which has its own value and spreads the poses; once nothing more can be told apart, all are of the
-    /// second sort. Where `exchange`, those of the first are then improved by exchange.
-    pub fn choose(&mut self, count: usize, exchange: bool) {
+    /// second sort.
+    pub fn choose(&mut self, count: usize) {
         let mut places = Vec::new();
         let mut open = self.offered.predicted.len() > 1;
         while self.chosen.len() < count {
@@ -257,36 +243,6 @@ impl<'a> Design<'a> {
             self.add(row, true);
         }
         self.for_separation = places.len();
-        if exchange && !places.is_empty() {
-            self.exchange(&places);
-        }
-    }
-
-    fn exchange(&mut self, places: &[usize]) {
-        for _ in 0..MOST_SWEEPS {
-            let mut changed = false;
-            for &place in places {
-                let here = self.log_bound(None);
-                let others: Vec<usize> =
-                    (0..self.chosen.len()).filter(|k| *k != place).map(|k| self.chosen[k]).collect();
-                self.begin(&others);
-                let out = self.chosen[place];
-                let best = self.best(|row| -self.log_bound(Some(row)));
-                let row = match best {
-                    Some((row, gain)) if gain > -here + LEAST_GAIN => {
-                        self.exchanges += 1;
-                        changed = true;
-                        row
-                    }
-                    _ => out,
-                };
-                self.chosen[place] = row;
-                self.add(row, false);
-            }
-            if !changed {
-                break;
-            }
-        }
     }
 
     /// By how much the odds of each pair are expected to rise: the divergence of the predictions of all that was chosen,
@@ -400,6 +356,11 @@ mod tests {
         })
     }
 
+    /// As if these rows had been chosen.
+    fn begin(design: &mut Design<'_>, rows: &[usize]) {
+        rows.iter().for_each(|&row| design.add(row, false));
+    }
+
     /// Covariance of the values of some rows with their noise, and what is expected of them.
     fn written_out(of: &Predicted, chosen: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
         let values: Vec<usize> = chosen.iter().flat_map(|row| row * HEIGHT..(row + 1) * HEIGHT).collect();
@@ -414,7 +375,7 @@ mod tests {
         let (rows, metres) = (rows(), vec![1.0; ROWS * HEIGHT]);
         let mut design = design(&rows, &metres);
         let chosen = [4, 0, 7];
-        design.begin(&chosen);
+        begin(&mut design, &chosen);
         let predicted = predictions();
         for (pair, [a, b]) in [(1, [0, 1]), (2, [1, 0])] {
             let (covariance, own) = written_out(&predicted[b], &chosen);
@@ -424,7 +385,7 @@ mod tests {
             // What the pose promises is what it brings.
             let before = design.log_bound(Some(2));
             let mut with = self::design(&rows, &metres);
-            with.begin(&[4, 0, 7, 2]);
+            begin(&mut with, &[4, 0, 7, 2]);
             assert!((before - with.log_bound(None)).abs() < 1e-9);
             // A row that was not chosen, given those that were.
             let cross = DMatrix::from_fn(chosen.len() * HEIGHT, 1, |i, _| {
@@ -468,7 +429,7 @@ mod tests {
     fn every_pose_lowers_what_is_left_unsure_and_the_choice_lowers_it_most() {
         let (rows, metres) = (rows(), vec![1e-3; ROWS * HEIGHT]);
         let mut chosen = design(&rows, &metres);
-        chosen.choose(3, true);
+        chosen.choose(3);
         assert_eq!(chosen.chosen.len(), 3);
         let [now, after] = chosen.unsure(&chosen.separations());
         assert!(after < now, "{now} {after}");
@@ -487,10 +448,10 @@ mod tests {
             Design::new(offered)
         };
         let mut best = one();
-        best.choose(1, false);
+        best.choose(1);
         let left = |row: usize| {
             let mut design = one();
-            design.begin(&[row]);
+            begin(&mut design, &[row]);
             design.unsure(&[])[1]
         };
         let least = (0..CANDIDATES).min_by(|a, b| left(*a).total_cmp(&left(*b))).unwrap();

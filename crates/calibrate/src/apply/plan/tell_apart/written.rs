@@ -13,12 +13,16 @@ const MOST_ODDS: f64 = 1e6;
 /// Two that hold this share of the mass, the mean of their logarithms, are asked about.
 const IN_QUESTION: f64 = 0.02;
 
-/// What acts if this is true, in words.
-fn title(possible: &Possible) -> String {
+/// Causes and curves that a set holds, in words.
+fn parts(possible: &Possible) -> Vec<String> {
     let causes = possible.causes.iter().map(|cause| format!("{} at {}", cause.kind.name(), cause.place));
     let curves = possible.curves.iter().map(|joint| format!("an error curve of {joint}"));
-    let all: Vec<String> = causes.chain(curves).collect();
-    if all.is_empty() { "no cause".into() } else { all.join(" and ") }
+    causes.chain(curves).collect()
+}
+
+/// Those of `all` that are not among `others`.
+fn beyond(all: &[String], others: &[String]) -> String {
+    all.iter().filter(|part| !others.contains(part)).cloned().collect::<Vec<String>>().join(" and ")
 }
 
 /// Odds as one says them: 40:1, 1:40.
@@ -63,18 +67,25 @@ impl Prospect {
         let causes = |index: usize| &self.possible[index].causes;
         let lacks = |pair: &&Pair| pair.of[0] == 0 && causes(0).iter().any(|cause| !causes(pair.of[1]).contains(cause));
         let pair = self.pairs.iter().find(lacks).or_else(|| self.pairs.first())?;
-        let [a, b] = pair.of.map(|index| title(&self.possible[index]));
+        // What both hold is not in question.
+        let [first, second] = pair.of.map(|index| parts(&self.possible[index]));
         let (poses, Unsure { now, expected }) = (self.poses, self.unsure);
+        let (what, ends) = match (beyond(&first, &second), beyond(&second, &first)) {
+            (a, b) if b.is_empty() => (format!("whether there is {a}"), ["there is", "there is not"]),
+            (a, b) if a.is_empty() => (format!("whether there is {b}"), ["there is not", "there is"]),
+            (a, b) => (format!("whether it is {a}, or {b}"), ["it is the first", "it is the second"]),
+        };
         let expected_odds = if pair.separated {
             format!(
-                "{poses} more poses, chosen to tell {a} from {b}, are expected to bring the odds from {} to {} if the first acts, to \
-                 {} if the second does; `denavit plan` writes them, told the run to tell apart.",
+                "{poses} more poses would show {what}: the odds are {} now, {} if {}, {} if {}. `denavit plan` with ‹tell-apart› writes them.",
                 odds(pair.log_odds),
                 odds(pair.expected_if_first),
-                odds(pair.expected_if_second)
+                ends[0],
+                odds(pair.expected_if_second),
+                ends[1]
             )
         } else {
-            format!("{poses} more poses are not expected to tell {a} from {b}: {}.", instead(pair))
+            format!("{poses} more poses would not show {what}: {}.", instead(pair))
         };
         Some(format!(
             "{expected_odds} The error that remains unsure is {:.3} mm now, {:.3} mm expected with them (root mean square over the \
@@ -99,9 +110,21 @@ impl TellApart {
         let mut text = String::new();
         let prospect = &self.prospect;
         if prospect.open() {
+            let each: Vec<Vec<String>> = prospect.possible.iter().map(parts).collect();
+            let in_all: Vec<String> =
+                each[0].iter().filter(|part| each.iter().all(|set| set.contains(part))).cloned().collect();
+            if !in_all.is_empty() {
+                let _ = writeln!(text, "in any case: {}", in_all.join(" and "));
+            }
             let _ = writeln!(text, "possible causes:");
-            for (index, possible) in prospect.possible.iter().enumerate() {
-                let _ = writeln!(text, "  {}  {:<9}  {}", index + 1, percent(possible.probability), title(possible));
+            for (index, (possible, set)) in prospect.possible.iter().zip(&each).enumerate() {
+                let own = beyond(set, &in_all);
+                let own = match own.is_empty() {
+                    true if in_all.is_empty() => "no cause",
+                    true => "no other",
+                    false => &own,
+                };
+                let _ = writeln!(text, "  {}  {:<9}  {own}", index + 1, percent(possible.probability));
             }
         } else {
             let _ = writeln!(text, "nothing is open: poses are chosen for the prediction alone");
