@@ -43,11 +43,11 @@ const AT_THE_BOUND: f64 = 2.705_543_454_095_404;
 /// Values beyond the free numbers that it takes, for each source, to tell them apart.
 const VALUES_PER_SOURCE: f64 = 3.0;
 /// An interval's end is found to this share of it.
-const END: f64 = 5e-3;
+const END: f64 = 1e-2;
 /// So near an end, in roots of the deviance, what a Newton step leaves is less than [`END`].
-const NEARLY: f64 = 0.1;
+const NEARLY: f64 = 0.3;
 /// Where likelihoods are compared they may be wrong by as much of the deviance.
-const GOOD: f64 = 1e-3;
+const GOOD: f64 = 1e-2;
 /// A source whose size, squared, is less than this many times its variance goes for nothing: one in a hundred that are not there has more.
 const FOR_NOTHING: f64 = 6.0;
 /// Turns of variances and lever.
