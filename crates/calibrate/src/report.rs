@@ -16,6 +16,7 @@ pub(crate) mod noise;
 pub mod plots;
 pub mod rows;
 mod summary;
+pub mod tables;
 pub mod text;
 #[cfg(feature = "pages")]
 pub(crate) mod trace_plots;

@@ -5,7 +5,7 @@
 //! (an effect, a curve, what a joint gives under gravity) is the probability of the rows with it against that without it: a part is
 //! left out where the rows are twenty times as probable without it, and as many times more as there are parts that chance may speak
 //! against. The axes count with a weight as they do without effects, see
-//! [`crate::identification::IdentifyOptions::earlier`].
+//! [`crate::identify_options::IdentifyOptions::earlier`].
 
 use crate::arm::Arm;
 use crate::continued::{CONTRADICTED, WEIGHTS, borne_out, log_evidence};
@@ -16,7 +16,8 @@ use crate::effects::driver::{RUN_ORDER, Statics};
 use crate::effects::history::{History, Pace};
 use crate::effects::model::{Effect, EffectModel};
 use crate::effects_prior::EffectsPrior;
-use crate::identification::{Identification, IdentifyOptions, fit_stage};
+use crate::identification::Identification;
+use crate::identify_options::{IdentifyOptions, fit_stage};
 use crate::known_effects::KnownEffects;
 use crate::parameters::{Effects as _, Layout, NoEffects};
 use crate::posterior::{Earlier, expecting};

@@ -12,7 +12,7 @@
 
 use crate::arm::Arm;
 use crate::gauge;
-use crate::identification::{IdentifyOptions, fit_stage};
+use crate::identify_options::{IdentifyOptions, fit_stage};
 use crate::initial_guess::{with_plates_of, with_plates_turned};
 use crate::parameters::{Effects, NoEffects};
 use crate::solve::{Fit, FitOptions};

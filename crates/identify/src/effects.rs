@@ -4,6 +4,7 @@ pub mod approach;
 pub mod averaged;
 pub mod carrier;
 pub mod catalogue;
+pub mod columns;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of waves and of places")]
 pub mod curve;
 pub mod curve_modes;

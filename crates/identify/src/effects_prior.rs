@@ -7,7 +7,7 @@
 //! ```
 //! The joints' own prior says the rest, so both together are the earlier posterior of axes and coefficients.
 
-use crate::parameters::Known;
+use crate::parameter::Known;
 use crate::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector};
 

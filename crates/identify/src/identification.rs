@@ -2,50 +2,13 @@
 
 use crate::arm::Arm;
 use crate::continued;
+use crate::identify_options::{IdentifyOptions, fit_stage};
 use crate::initial_guess::{self, nominal_fit};
-use crate::parameters::{Effects, Freedom, Layout, NoEffects, Tolerances};
-use crate::posterior::{Earlier, expecting};
+use crate::parameters::{Freedom, Layout, NoEffects, Tolerances};
+use crate::posterior::expecting;
 use crate::solve::{Fit, FitOptions, fit};
 use denavit_measurements::{Measurements, Scene};
 use denavit_model::Chain;
-
-/// What is to be identified, and what is held how firmly.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IdentifyOptions {
-    /// Which parts of the arm are free.
-    pub freedom: Freedom,
-    /// The prior: how far the robot is expected to be from its drawing.
-    pub tolerances: Tolerances,
-    /// What an earlier calibration knows of the axes; it takes the place of the tolerances where it says anything.
-    pub earlier: Option<Earlier>,
-    /// Outliers and the end of the iteration.
-    pub fit: FitOptions,
-    /// Where zeros start from, one per coordinate, rad or m; empty: at the drawing.
-    pub start_zeros: Vec<f64>,
-}
-
-impl IdentifyOptions {
-    /// Every axis, the default prior, robust.
-    pub fn axes(chain: &Chain) -> Self {
-        Self {
-            freedom: Freedom::axes(chain.joints().len()),
-            tolerances: Tolerances::default(),
-            earlier: None,
-            fit: FitOptions::default(),
-            start_zeros: Vec::new(),
-        }
-    }
-
-    /// The zeros of these joints and no axis: servos are mounted to a few degrees, slides to a centimetre.
-    pub fn zeros(chain: &Chain, which: Vec<bool>) -> Self {
-        let freedom = Freedom { zeros: which, ..Freedom::placement(chain.joints().len()) };
-        let tolerances = Tolerances { zero_turn: LOOSE_ZERO[0], zero_slide: LOOSE_ZERO[1], ..Tolerances::default() };
-        Self { freedom, tolerances, ..Self::axes(chain) }
-    }
-}
-
-/// Standard deviation of a zero that nobody has set, rad and m.
-const LOOSE_ZERO: [f64; 2] = [0.1, 0.02];
 
 /// What becomes of an earlier calibration on new rows.
 #[derive(Debug, Clone)]
@@ -153,21 +116,4 @@ fn expected(layout: &Layout, arm: &Arm) -> Arm {
         expected = layout.stepped(&expected, &step);
     }
     expected
-}
-
-/// Fit axes, instrument, targets and the effects' numbers together, starting at `start`.
-///
-/// # Shape and units
-/// `weights`: one per observation, 0 for what is to be left out.
-pub fn fit_stage<E: Effects>(
-    data: &Measurements,
-    start: &Arm,
-    effects: &E,
-    weights: &[f64],
-    options: &IdentifyOptions,
-) -> Fit<E> {
-    let chain = &start.nominal;
-    let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, effects.parameters());
-    let layout = expecting(layout, options.earlier.as_ref());
-    fit(data, &layout, start, effects, weights, &options.fit)
 }

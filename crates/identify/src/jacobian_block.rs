@@ -1,10 +1,39 @@
 //! Rows of a Jacobian gathered until there are enough to form their products in vectors of the machine.
 
-use crate::normal_equations::Channel;
 use crate::parameters::{Layout, Parameter, ParameterKind};
 use denavit_linear::products::{TILE, add_gram};
 use denavit_measurements::kinds::Part;
 use fearless_simd::{Simd, SimdBase as _};
+
+/// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Upper triangle of Jᵀ W J, columns × columns, row by row.
+    pub matrix: Vec<f64>,
+    /// Jᵀ W r.
+    pub gradient: Vec<f64>,
+    /// rᵀ W r.
+    pub cost: f64,
+    /// Sum of weights over values.
+    pub count: f64,
+}
+
+impl Channel {
+    pub(crate) fn zeros(columns: usize) -> Self {
+        Self { matrix: vec![0.0; columns * columns], gradient: vec![0.0; columns], cost: 0.0, count: 0.0 }
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (sum, value) in self.matrix.iter_mut().zip(&other.matrix) {
+            *sum += value;
+        }
+        for (sum, value) in self.gradient.iter_mut().zip(&other.gradient) {
+            *sum += value;
+        }
+        self.cost += other.cost;
+        self.count += other.count;
+    }
+}
 
 /// Rows that are gathered: with forty columns 60 KB.
 const ROWS: usize = 192;

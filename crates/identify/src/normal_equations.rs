@@ -1,6 +1,7 @@
 //! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
 
 use crate::arm::Arm;
+pub use crate::jacobian_block::Channel;
 use crate::jacobian_block::JacobianBlock;
 use crate::parameters::{Effects, Parameter, ParameterKind};
 use crate::residual::{ResidualModel, Scratch};
@@ -8,36 +9,6 @@ use crate::simd_residuals;
 use denavit_linear::threads::{available, in_stretches, par_map};
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
-
-/// Jᵀ W J, Jᵀ W r and rᵀ W r of one kind of value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// Upper triangle of Jᵀ W J, columns × columns, row by row.
-    pub matrix: Vec<f64>,
-    /// Jᵀ W r.
-    pub gradient: Vec<f64>,
-    /// rᵀ W r.
-    pub cost: f64,
-    /// Sum of weights over values.
-    pub count: f64,
-}
-
-impl Channel {
-    pub(crate) fn zeros(columns: usize) -> Self {
-        Self { matrix: vec![0.0; columns * columns], gradient: vec![0.0; columns], cost: 0.0, count: 0.0 }
-    }
-
-    fn add(&mut self, other: &Self) {
-        for (sum, value) in self.matrix.iter_mut().zip(&other.matrix) {
-            *sum += value;
-        }
-        for (sum, value) in self.gradient.iter_mut().zip(&other.gradient) {
-            *sum += value;
-        }
-        self.cost += other.cost;
-        self.count += other.count;
-    }
-}
 
 /// Sums over all rows, and the squared residual of each observation.
 #[derive(Debug, Clone, PartialEq)]

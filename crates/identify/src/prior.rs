@@ -18,7 +18,7 @@
 
 use crate::arm::AxisBasis;
 use crate::frames::Frames;
-use crate::parameters::{Parameter, ParameterKind, Tolerances};
+use crate::parameter::{Parameter, ParameterKind, Tolerances};
 use crate::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use denavit_model::{Chain, Quantity};

@@ -4,6 +4,7 @@ use crate::arm::{Arm, AxisBasis, Perturbation, Perturbed, Row, RowState};
 use crate::observe::{Discrepancy, Follows, Rows, Seen, model_of};
 use crate::parameters::{Effects, Layout, ParameterKind, Sensitivity};
 use crate::simd_residuals::Geometry;
+use crate::simd_residuals::square_factor;
 use denavit_measurements::Measurements;
 use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Matrix3, Vector3, Vector6};
@@ -175,12 +176,6 @@ fn put(jacobian: &mut [f64], columns: usize, column: usize, value: &Vector3<f64>
     jacobian[column] = value.x;
     jacobian[columns + column] = value.y;
     jacobian[2 * columns + column] = value.z;
-}
-
-/// (1 - t/2 cot(t/2))/t² of the square of an angle t, rad².
-pub(crate) fn square_factor(t2: f64) -> f64 {
-    let t = t2.sqrt();
-    if t < 1e-3 { 1.0 / 12.0 + t2 / 720.0 } else { (1.0 - t * t.sin() / (4.0 * (0.5 * t).sin().powi(2))) / t2 }
 }
 
 /// Inverse left Jacobian of SO(3) at rotation vector `r`; the right one is its transpose.

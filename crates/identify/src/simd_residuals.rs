@@ -405,7 +405,7 @@ fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (
         let vectors: [Vector3<f64>; 8] = std::array::from_fn(|lane| {
             if lane < S::f64s::LEN { se3::rotation_vector(&rotation(lane)) } else { Vector3::zeros() }
         });
-        let factor = S::f64s::from_fn(simd, |lane| crate::residual::square_factor(vectors[lane].norm_squared()));
+        let factor = S::f64s::from_fn(simd, |lane| square_factor(vectors[lane].norm_squared()));
         (each::<S>(|k| S::f64s::from_fn(simd, |lane| vectors[lane][k])), factor)
     } else {
         // asin(s)/s, and (1 - t/2 cot(t/2))/t², as series.
@@ -430,6 +430,12 @@ fn turned<S: Simd>(simd: S, measured: [Triple<S>; 3], predicted: &Frame<S>) -> (
         [square(2, 0) - half[1], square(2, 1) + half[0], square(2, 2) + diagonal],
     ];
     (vector, rows)
+}
+
+/// (1 - t/2 cot(t/2))/t² of the square of an angle t, rad².
+pub(crate) fn square_factor(t2: f64) -> f64 {
+    let t = t2.sqrt();
+    if t < 1e-3 { 1.0 / 12.0 + t2 / 720.0 } else { (1.0 - t * t.sin() / (4.0 * (0.5 * t).sin().powi(2))) / t2 }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Measurements;
 use super::header::{Header, OF_TWO_TIPS, Role};
-use super::near_miss::{KNOWN_COVARIATES, OF_JOINTS};
+use super::known_columns::{KNOWN_COVARIATES, OF_JOINTS};
 use crate::kinds::Frame;
 use denavit_model::{Inventory, Place};
 use serde::Serialize;

@@ -1,14 +1,12 @@
 //! What each column of a measurement file is.
 
+use super::known_columns::{MOST_COLUMNS, OF_JOINTS};
 use super::measurement_error::MeasurementError;
-use super::near_miss::{OF_JOINTS, near_miss, orientation_left_out};
+use super::near_miss::{near_miss, orientation_left_out};
 use crate::board::Sight;
 use crate::kinds::{KINDS, ObservationKind};
 use denavit_model::{Coordinate, Quantity, Tips};
 use std::collections::HashSet;
-
-/// The corners of a large board and all that is recorded beside them are a few thousand columns.
-pub(super) const MOST_COLUMNS: usize = 10_000;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,7 +131,9 @@ impl Header {
                 problems.extend(unknown_joint(name, coordinates).or_else(near));
             }
         }
-        problems.extend(orientation_left_out(&names, &roles));
+        let others: Vec<&String> =
+            names.iter().zip(&roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name).collect();
+        problems.extend(orientation_left_out(&others));
         let tip = tips.and_then(|_| names.iter().position(|name| name == "tip"));
         if let (Some(tips), None) = (tips, tip) {
             problems.push(MeasurementError::NoTipColumn { tips: tip_names(tips) });

@@ -3,7 +3,7 @@
 use super::Measurements;
 use super::header::{CornerOf, Group, Header, Role};
 use super::measurement_error::MeasurementError;
-use super::read::number;
+use super::rows::number;
 use super::scene::Series;
 use crate::board::{Camera, Corner, Sight};
 use crate::kinds::ObservationKind;

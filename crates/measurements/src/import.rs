@@ -20,7 +20,7 @@ pub use map::{Map, MapError, quaternion_order};
 pub use outline::{FileColumn, outline};
 pub use programs::{JointList, ProgramError, joints};
 
-use super::near_miss::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
+use super::known_columns::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::units::Units;
 use crate::board::Sight;
 use crate::plate::Plate;

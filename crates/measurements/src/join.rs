@@ -5,7 +5,7 @@ use crate::kinds::{Frame, ObservationKind};
 use denavit_model::{Chain, Quantity};
 use std::io::Read;
 
-use super::read::{Problems, line_of, number, rows_of, unreadable};
+use super::rows::{Problems, line_of, number, rows_of, unreadable};
 use super::units::Units;
 
 impl Measurements {

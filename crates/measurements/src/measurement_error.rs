@@ -1,8 +1,12 @@
 //! What can be wrong with a measurement file: each message says where, what, and the fix.
 
-use super::read::FAULTS;
 use std::fmt;
 use thiserror::Error;
+
+/// What spreadsheets write into a cell that they could not compute; German ones, too.
+pub(super) const FAULTS: [&str; 12] = [
+    "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
+];
 
 /// A problem at a place in a measurement file.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -1,31 +1,9 @@
 //! Columns whose names are nearly names that have a meaning: read as something else they would be lost without a word.
 
-use super::header::Role;
+use super::known_columns::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::measurement_error::MeasurementError;
 use denavit_model::Coordinate;
 
-/// Covariates with a meaning: s, °C, kg at the tip link's origin.
-pub(super) const KNOWN_COVARIATES: [&str; 3] = ["time", "temperature", "payload"];
-/// What a joint's own column may say beside its reading.
-pub(super) const OF_JOINTS: [&str; 3] = ["velocity", "approach", "temperature"];
-/// Names of measured values.
-pub(super) const KNOWN_VALUES: [&str; 15] = [
-    "x",
-    "y",
-    "z",
-    "qx",
-    "qy",
-    "qz",
-    "qw",
-    "distance",
-    "locate",
-    "hole",
-    "gravity_x",
-    "gravity_y",
-    "gravity_z",
-    "inclination_x",
-    "inclination_y",
-];
 /// Names of that many letters may have one letter wrong.
 const LONG: usize = 6;
 
@@ -72,10 +50,8 @@ pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]
     (!numbered).then(|| MeasurementError::NearMiss { column: name.into(), known })
 }
 
-/// Columns that together look like an orientation, under names that mean nothing.
-pub(super) fn orientation_left_out(names: &[String], roles: &[Role]) -> Option<MeasurementError> {
-    let others: Vec<&String> =
-        names.iter().zip(roles).filter(|(_, role)| **role == Role::Other).map(|(name, _)| name).collect();
+/// Columns that together look like an orientation, among those whose names mean nothing.
+pub(super) fn orientation_left_out(others: &[&String]) -> Option<MeasurementError> {
     ORIENTATIONS.iter().find_map(|(group, fix)| {
         let found =
             group.iter().map(|wanted| others.iter().find(|name| plain(name) == *wanted).map(|name| name.as_str()));

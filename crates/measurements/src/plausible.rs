@@ -1,8 +1,8 @@
 //! Whether measured data can belong to the chain, and what a user must know of them.
 
 use super::Measurements;
+use super::data_note::DataNote;
 use super::measurement_error::MeasurementError;
-use super::read::DataNote;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity};
 

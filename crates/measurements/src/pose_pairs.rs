@@ -4,7 +4,7 @@ use super::header::naming;
 use super::import::AngleConvention;
 use super::measurement_error::{DataError, MeasurementError};
 use super::poses::rotation;
-use super::read::{Problems, header_row, line_of, number, rows_of, unreadable};
+use super::rows::{Problems, header_row, line_of, number, rows_of, unreadable};
 use super::units::Units;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Pose, se3};

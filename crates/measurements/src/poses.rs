@@ -3,7 +3,8 @@
 use super::header::{naming, no_column, numbered_joints};
 use super::import::{ImportOptions, Imported};
 use super::measurement_error::{DataError, MeasurementError};
-use super::read::{Problems, header_row, in_our_form, line_of, number, rows_of, unreadable};
+use super::read::in_our_form;
+use super::rows::{Problems, header_row, line_of, number, rows_of, unreadable};
 use super::units::Units;
 use super::{Covariate, QUATERNION_TOLERANCE};
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};

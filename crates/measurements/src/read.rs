@@ -1,31 +1,25 @@
 //! Reading a measurement file, row by row.
 
 use super::columns::{self, ColumnUse};
+use super::data_note::DataNote;
 use super::header::{CornerOf, Header, Role, quantity_of, tip_names};
 use super::images::{self, Images};
 use super::import::{ImportOptions, Imported, import};
 use super::join::in_setup;
-use super::measurement_error::{DataError, DataProblem, MeasurementError};
-use super::near_miss::KNOWN_COVARIATES;
+use super::known_columns::KNOWN_COVARIATES;
+use super::measurement_error::{DataError, MeasurementError};
 use super::plausible;
+use super::rows::{Problems, header_row, line_of, number, rows_of_any_encoding, unreadable};
 use super::units::Units;
 use super::{Covariate, Label, Measurements, Scene, Target, target_on};
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::{Chain, Inventory, Place, Quantity, Tips};
 use encoding_rs::WINDOWS_1252;
-use std::cell::Cell;
-use std::fmt;
-use std::io::{BufRead as _, Read};
-use std::rc::Rc;
+use std::io::Read;
 use std::sync::Arc;
 
-/// No more problems than this are listed.
-const MOST_PROBLEMS: usize = 10;
 /// So much of a file shows what form it has; one that is larger, and in the contract's form, is read row by row.
 const HEAD: u64 = 1 << 18;
-/// No number of a joint or of an instrument is written larger than this: a thousand kilometres in micrometres. Squares of larger
-/// ones leave the range of numbers.
-const LARGEST_WRITTEN: f64 = 1e12;
 /// No recorded number is larger: the time since 1970 in nanoseconds has 19 digits.
 const LARGEST_RECORDED: f64 = 1e20;
 /// An accelerometer at rest reads gravity as large in every posture, but for scales and zeros of its axes of as much; relative.
@@ -45,99 +39,6 @@ pub struct Loaded {
     pub columns: Vec<ColumnUse>,
     /// What became of every cell: understood, carried as a recorded number or a label, or not read, which a note says.
     pub inventory: Inventory,
-}
-
-/// A finding that is no failure but must not be silent.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum DataNote {
-    /// How the file was read, or what one of its columns was taken for.
-    ReadAs(String),
-    /// A target that repeats another in every row: counted once.
-    DuplicateTarget {
-        /// The one left out.
-        target: String,
-        /// The one that it repeats.
-        of: String,
-    },
-    /// A joint with one reading in all rows.
-    NeverMoves {
-        /// The joint.
-        joint: String,
-        /// Its reading, rad or m.
-        at: f64,
-    },
-    /// Readings outside of the joint's limits.
-    OutsideLimits {
-        /// The joint.
-        joint: String,
-        /// How many rows.
-        rows: usize,
-    },
-    /// Quaternions were brought to length 1.
-    Normalised {
-        /// The largest deviation from 1.
-        by: f64,
-    },
-    /// Rows in which gravity is read larger or smaller than in the others.
-    UnevenGravity {
-        /// In most rows, in the file's unit.
-        usual: f64,
-        /// The largest deviation, relative.
-        by: f64,
-        /// Their lines.
-        lines: Vec<usize>,
-    },
-    /// Rows in which nothing was measured.
-    NothingMeasured {
-        /// Their lines.
-        lines: Vec<usize>,
-    },
-    /// A target that no row sees: left out.
-    NeverSeen {
-        /// The target.
-        target: String,
-    },
-}
-
-impl fmt::Display for DataNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::ReadAs(said) => f.write_str(said),
-            Self::DuplicateTarget { target, of } => {
-                write!(f, "target {target} repeats target {of} in every row; it is counted once")
-            }
-            Self::NeverMoves { joint, at } => {
-                write!(
-                    f,
-                    "joint \"{joint}\" stands at {at} in every row; the data cannot separate its axis from its neighbours'"
-                )
-            }
-            Self::OutsideLimits { joint, rows } => {
-                write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
-            }
-            Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
-            Self::UnevenGravity { usual, by, lines } => write!(
-                f,
-                "gravity is read as {usual:.4} in most rows and up to {:.1} % off in {} of them, lines {}; only its direction is \
-                 used: did the sensor stand still, and is it calibrated?",
-                by * 100.0,
-                lines.len(),
-                listed(lines)
-            ),
-            Self::NothingMeasured { lines } => {
-                write!(f, "in {} rows nothing was measured, lines {}", lines.len(), listed(lines))
-            }
-            Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
-        }
-    }
-}
-
-/// The first lines of a note.
-fn listed(lines: &[usize]) -> String {
-    let shown: Vec<String> = lines.iter().take(MOST_PROBLEMS).map(usize::to_string).collect();
-    let more = if lines.len() > MOST_PROBLEMS { ", …" } else { "" };
-    format!("{}{more}", shown.join(", "))
 }
 
 /// Reads measured data for a chain.
@@ -253,148 +154,6 @@ fn read_contract(
         loaded.notes.insert(0, DataNote::ReadAs(format!("text in {}", WINDOWS_1252.name())));
     }
     Ok(loaded)
-}
-
-/// The rows of a file, header included, `#` lines left out.
-pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
-    rows_of_any_encoding(input).0
-}
-
-/// The same, and whether some line so far was no UTF-8, which is then read as windows-1252.
-fn rows_of_any_encoding(input: impl Read) -> (csv::Reader<impl Read>, Rc<Cell<bool>>) {
-    let lines = Lines::new(LineFeeds(input));
-    let foreign = lines.foreign.clone();
-    let reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .flexible(true)
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .from_reader(lines.chain(&b"\n"[..]));
-    (reader, foreign)
-}
-
-/// The names in the header row, and its line.
-pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> Result<(Vec<String>, u64), DataError> {
-    let mut record = csv::StringRecord::new();
-    let (line, problem) = match reader.read_record(&mut record) {
-        Ok(true) => {
-            let names = record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-            return Ok((names, reader.position().line() - 1));
-        }
-        Ok(false) => (0, MeasurementError::NoHeader),
-        Err(error) => (line_of(&error), unreadable(&error)),
-    };
-    Err(Problems::new(source).only(line, problem))
-}
-
-/// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
-///
-/// A record's own position is not used: it counts from before the comments above it.
-struct LineFeeds<R>(R);
-
-impl<R: Read> Read for LineFeeds<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        loop {
-            let count = self.0.read(buffer)?;
-            let mut kept = 0;
-            for index in 0..count {
-                if buffer[index] != b'\r' {
-                    buffer[kept] = buffer[index];
-                    kept += 1;
-                }
-            }
-            if kept > 0 || count == 0 {
-                return Ok(kept);
-            }
-        }
-    }
-}
-
-/// What spreadsheets write into a cell that they could not compute; German ones, too.
-pub(super) const FAULTS: [&str; 12] = [
-    "#N/A", "#NV", "#REF!", "#VALUE!", "#DIV/0!", "#NAME?", "#NUM!", "#NULL!", "#WERT!", "#BEZUG!", "#ZAHL!", "#NAME!",
-];
-
-/// Input line by line, in UTF-8. A row that begins with a spreadsheet's error is a row, not a comment: a blank goes before it.
-struct Lines<R> {
-    input: std::io::BufReader<R>,
-    line: Vec<u8>,
-    at: usize,
-    /// Whether some line was not UTF-8.
-    foreign: Rc<Cell<bool>>,
-}
-
-impl<R: Read> Lines<R> {
-    fn new(input: R) -> Self {
-        Self { input: std::io::BufReader::new(input), line: Vec::new(), at: 0, foreign: Rc::default() }
-    }
-}
-
-impl<R: Read> Read for Lines<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        if self.at == self.line.len() {
-            self.line.clear();
-            self.at = 0;
-            self.input.read_until(b'\n', &mut self.line)?;
-            if std::str::from_utf8(&self.line).is_err() {
-                self.line = WINDOWS_1252.decode_without_bom_handling(&self.line).0.into_owned().into_bytes();
-                self.foreign.set(true);
-            }
-            let fault = |fault: &str| {
-                let rest = self.line.strip_prefix(fault.as_bytes());
-                rest.is_some_and(|rest| rest.first().is_none_or(|next| b",;\t\n ".contains(next)))
-            };
-            if FAULTS.iter().any(|known| fault(known)) {
-                self.line.insert(0, b' ');
-            }
-        }
-        let count = buffer.len().min(self.line.len() - self.at);
-        buffer[..count].copy_from_slice(&self.line[self.at..self.at + count]);
-        self.at += count;
-        Ok(count)
-    }
-}
-
-pub(super) fn line_of(error: &csv::Error) -> u64 {
-    error.position().map_or(0, csv::Position::line)
-}
-
-pub(super) fn unreadable(error: &csv::Error) -> MeasurementError {
-    match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => MeasurementError::Unreadable("the text is not UTF-8".into()),
-        csv::ErrorKind::Io(error) => MeasurementError::Unreadable(error.to_string()),
-        _ => MeasurementError::Unreadable(error.to_string()),
-    }
-}
-
-/// Problems of a file while it is read.
-pub(super) struct Problems<'a> {
-    source: &'a str,
-    pub found: Vec<DataProblem>,
-    more: usize,
-}
-
-impl<'a> Problems<'a> {
-    pub fn new(source: &'a str) -> Self {
-        Self { source, found: Vec::new(), more: 0 }
-    }
-
-    pub fn add(&mut self, line: u64, problem: MeasurementError) {
-        if self.found.len() < MOST_PROBLEMS {
-            self.found.push(DataProblem { file: self.source.into(), line, problem });
-        } else {
-            self.more += 1;
-        }
-    }
-
-    pub fn error(self) -> DataError {
-        DataError { problems: self.found, more: self.more }
-    }
-
-    pub fn only(mut self, line: u64, problem: MeasurementError) -> DataError {
-        self.add(line, problem);
-        self.error()
-    }
 }
 
 /// A column that is neither joint nor measured value, while it is not known whether it holds numbers.
@@ -855,26 +614,5 @@ impl OtherColumn {
         } else {
             data.labels.push(Label { name: self.name, values: self.texts });
         }
-    }
-}
-
-/// A finite number.
-pub(super) fn number(column: &str, cell: &str) -> Result<f64, MeasurementError> {
-    if cell.is_empty() {
-        return Err(MeasurementError::Empty { column: column.into() });
-    }
-    match cell.parse::<f64>() {
-        Ok(value) if value.abs() <= LARGEST_WRITTEN => Ok(value),
-        Ok(value) if value.is_finite() => Err(MeasurementError::TooLarge { column: column.into(), text: cell.into() }),
-        Ok(_) => Err(MeasurementError::NotFinite {
-            column: column.into(),
-            text: cell.into(),
-            fix: if column.starts_with(['x', 'y', 'z']) && column[1..].chars().all(|c| c.is_ascii_digit()) {
-                "leave the cells of a target empty where it was not seen"
-            } else {
-                "correct the cell or remove the row"
-            },
-        }),
-        Err(_) => Err(MeasurementError::NotANumber { column: column.into(), text: cell.into() }),
     }
 }

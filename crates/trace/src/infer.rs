@@ -18,6 +18,7 @@ pub mod hypotheses;
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of orders to try")]
 pub mod lines;
 pub mod maximum;
+mod members;
 pub mod model;
 pub mod named;
 mod predictor;

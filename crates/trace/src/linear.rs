@@ -1,10 +1,9 @@
 //! The model at its fitted state, linearised and in units of the noise: what every candidate is tested against.
 
 use crate::projector::Projector;
-use crate::search::postures;
-use denavit_identify::arm::Arm;
+use denavit_identify::arm::{Arm, Perturbation, Row};
 use denavit_identify::effects::carrier::Carrier;
-use denavit_identify::effects::driver::Posture;
+use denavit_identify::effects::driver::{Conditions, Posture};
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::probe::Probe;
 use denavit_identify::gauge;
@@ -204,4 +203,17 @@ impl Linear {
     pub fn columns_of(&self, carrier: Carrier) -> Option<std::ops::Range<usize>> {
         self.places.iter().find(|(place, _)| *place == carrier).map(|(_, range)| range.clone())
     }
+}
+
+/// The arm in every row of the data, as the model has it give way.
+pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
+    let start = || (model.standing(arm), Perturbation::none(arm.joints.len()));
+    let stretches = in_stretches(data.len(), start, |(standing, perturbation), rows| {
+        let mut at = |index: usize| {
+            perturbation.clear();
+            model.stand(&Conditions::of(Row::new(data, index)), &arm.joints, standing, perturbation).clone()
+        };
+        rows.map(&mut at).collect::<Vec<_>>()
+    });
+    stretches.into_iter().flatten().collect()
 }

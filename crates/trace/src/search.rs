@@ -6,13 +6,12 @@ use crate::downdate::{Reduced, Whole};
 use crate::linear::Linear;
 use crate::projector::{Gain, Products, Projector, UNSEEN};
 use crate::select::{State, Tracer};
-use denavit_identify::arm::{Arm, Perturbation, Row};
+use denavit_identify::arm::Row;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{Candidate, Kind};
 use denavit_identify::effects::driver::{Conditions, Posture, Statics};
-use denavit_identify::effects::model::{Coupling, EffectModel, Term};
-use denavit_identify::parameters::Effects as _;
-use denavit_linear::threads::{get_or_make, in_parallel, in_stretches};
+use denavit_identify::effects::model::{Coupling, Term};
+use denavit_linear::threads::{get_or_make, in_parallel};
 use denavit_measurements::Measurements;
 use denavit_model::nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -58,19 +57,6 @@ pub struct CandidateScorer<'a> {
     pub statics: &'a Statics,
     /// The model at its state.
     pub linear: &'a Linear,
-}
-
-/// The arm in every row of the data, as the model has it give way.
-pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
-    let start = || (model.standing(arm), Perturbation::none(arm.joints.len()));
-    let stretches = in_stretches(data.len(), start, |(standing, perturbation), rows| {
-        let mut at = |index: usize| {
-            perturbation.clear();
-            model.stand(&Conditions::of(Row::new(data, index)), &arm.joints, standing, perturbation).clone()
-        };
-        rows.map(&mut at).collect::<Vec<_>>()
-    });
-    stretches.into_iter().flatten().collect()
 }
 
 /// A model linearised at a state, with what each candidate of the catalogue does there: made once, for all that is asked of the state.

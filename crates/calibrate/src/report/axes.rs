@@ -1,7 +1,7 @@
 //! How far each axis is from its drawing and how sure that is, as text: standard deviations, what the data tell weakly,
 //! what they tell only together.
 
-use crate::report::text::{correlations, table};
+use crate::report::tables::{correlations, table};
 use denavit_identify::parameters::ParameterKind;
 use denavit_identify::solve::Fit;
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! What measurements can tell of a robot, as text and as JSON.
 
-use crate::report::text::table;
+use crate::report::tables::table;
 use denavit_identify::dh_form::DhForm;
 use denavit_identify::identifiability::Identifiability;
 use denavit_model::{Chain, Screw};

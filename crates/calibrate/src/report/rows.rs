@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::rows::{Placed, Placements, RowEntry, Rows};
-use crate::report::text::table;
+use crate::report::tables::table;
 use denavit_dh::convert::{self, HAYATI_BELOW};
 use denavit_dh::{Convention, NearParallel, Options, Parallelism};
 use denavit_export::formats::FORMATS;

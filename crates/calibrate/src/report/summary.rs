@@ -3,7 +3,7 @@
 use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::report::findings;
-use crate::report::text::attainable;
+use crate::report::tables::attainable;
 use std::fmt::Write;
 
 /// An error up to this many times what the noise allows is at the noise floor: rms of some dozen rows scatter as much.

@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, Identified, JointZeros};
-use crate::report::text::table;
+use crate::report::tables::table;
 use std::fmt::Write;
 
 /// A line for each zero that was fitted.

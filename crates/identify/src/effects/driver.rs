@@ -11,20 +11,19 @@
 //! ```
 
 mod bump;
-mod columns;
 mod piecewise;
 mod side;
 mod statics;
 mod torque;
 
 pub use self::bump::BumpShape;
-pub use self::columns::{
-    APPROACH, APPROACH_FROM_ROWS, CURRENT, EFFORT, MEMORIES, MOTOR_TORQUE, RUN_ORDER, TIME, VELOCITY, WARMTH, WOUND_UP,
-    unit_of,
-};
 pub use self::side::Side;
 pub use self::statics::{AtHome, Conditions, LinkEnd, Posture, StandingAxis, Statics, motions_into};
 pub use self::torque::TWIST_TO_BEND;
+pub use crate::effects::columns::{
+    APPROACH, APPROACH_FROM_ROWS, CURRENT, EFFORT, MEMORIES, MOTOR_TORQUE, RUN_ORDER, TIME, VELOCITY, WARMTH, WOUND_UP,
+    unit_of,
+};
 
 use self::piecewise::hats;
 use self::side::side_of;

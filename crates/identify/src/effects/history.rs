@@ -3,7 +3,7 @@
 //! Each is a state that every move brings on, and a computed column that drivers follow as they follow recorded ones.
 
 use crate::effects::approach::side_after;
-use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, MEMORIES, WARMTH, WOUND_UP};
+use crate::effects::columns::{APPROACH, APPROACH_FROM_ROWS, MEMORIES, WARMTH, WOUND_UP};
 
 /// Time constants of warmth in rows, where nobody says how long a row takes.
 const LAGS_IN_ROWS: [f64; 5] = [10.0, 40.0, 160.0, 640.0, 2560.0];

@@ -7,7 +7,7 @@
 use crate::infer::evidence::Model;
 use crate::infer::maximum::{self, ROUGH};
 use crate::infer::model::Hyperparameters;
-use crate::search::postures;
+use crate::linear::postures;
 use denavit_identify::arm::Row;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::Kind;

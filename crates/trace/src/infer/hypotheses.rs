@@ -8,8 +8,8 @@
 use crate::infer::contest::Setting;
 use crate::infer::curves::{Laid, Round, State};
 use crate::infer::evidence::Solved;
+use crate::infer::members::members;
 use crate::infer::model::Kernel;
-use crate::infer::named::members;
 use denavit_identify::arm::Arm;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{Candidate, Kind};

@@ -5,7 +5,8 @@ use crate::infer::curves::{Round, State};
 use crate::infer::gram::Gram;
 use crate::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::infer::lines::beside_a_scale;
-use crate::infer::model::{Kernel, LARGEST};
+use crate::infer::members::members;
+use crate::infer::model::Kernel;
 use crate::infer::predictor::Predictor;
 use crate::search::handicap;
 use crate::unexplained::Block;
@@ -25,7 +26,6 @@ use denavit_measurements::Measurements;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cell::OnceCell;
-use std::ops::Range;
 
 /// A cause is named from this probability on.
 const NAMED: f64 = 0.95;
@@ -57,8 +57,6 @@ const REFINED: f64 = 1.0;
 /// What a joint costs that gives under a torque of which a spring takes up a part, beside one without a spring: one machine in ten
 /// has one.
 const BALANCED: f64 = 2.3;
-/// What slips or is set up anew moves by so much at most, rad or m: a joint that turned by a radian where nobody sees it is none.
-const FARTHEST: f64 = 0.05;
 
 /// A cause at a place, and how probable it is that it acts.
 #[derive(Debug, Clone, PartialEq)]
@@ -389,32 +387,11 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
-/// The candidates of a round as members of sets, with their prior odds.
-pub(super) fn members(round: &Round, candidates: &[Candidate], log_odds: impl Fn(&Candidate) -> f64) -> Vec<Member> {
-    let of = |(candidate, columns): (&Candidate, &Range<usize>)| Member {
-        columns: columns.clone(),
-        log_odds: log_odds(candidate),
-        least_precision: least_precision(candidate),
-    };
-    candidates.iter().zip(&round.candidates).map(of).collect()
-}
-
 /// Whether a cause follows how warm a joint's own work has made it. Postures that are left out of a fit lie between others of the same run:
 /// that they are predicted well says nothing of another pace, at which the same cause may do many times as much.
 fn follows_warmth(candidate: &Candidate) -> bool {
     let column = candidate.term.driver.covariate();
     matches!(column.and_then(History::of_column), Some((_, History::Warmth { .. })))
-}
-
-/// Causes are expected to have the size that they have in machines; 0 where nothing is known.
-fn least_precision(candidate: &Candidate) -> f64 {
-    match candidate.term.kind {
-        Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash | Kind::TargetIncidence => {
-            LARGEST.powi(-2)
-        }
-        Kind::Drift => FARTHEST.powi(-2),
-        _ => 0.0,
-    }
 }
 
 /// The mass that sets hold, told by the names of their members.

@@ -358,7 +358,9 @@ mod tests {
 
     /// As if these rows had been chosen.
     fn begin(design: &mut Design<'_>, rows: &[usize]) {
-        rows.iter().for_each(|&row| design.add(row, false));
+        for &row in rows {
+            design.add(row, false);
+        }
     }
 
     /// Covariance of the values of some rows with their noise, and what is expected of them.
