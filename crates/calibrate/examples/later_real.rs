@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
-//! Each model (geometry, error curves beside it, effects and curves) is fitted to BEFORE. Of LATER some rows (one in
+//! Each model (geometry, error curves beside it, effects and curves, what a calibration recommends) is fitted to BEFORE. Of LATER some rows (one in
 //! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
 //! BEFORE is brought up to date by a few rows of LATER, and so is the whole model of BEFORE with its effects and curves. In the environment: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
@@ -93,16 +93,19 @@ fn main() {
     say_how_postures_differ(&before, &judged);
     println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
     let mut known = None;
-    for word in ["geometry", "curves", "effects and curves"] {
+    for word in ["geometry", "curves", "effects and curves", "recommended"] {
         let mut options = CalibrateOptions::geometry(chain);
         options.curves = (word == "curves").then(CurveOptions::default);
-        options.trace = (word == "effects and curves").then(|| TraceOptions::new(options.identify.clone()));
+        options.average = word == "recommended";
+        options.trace =
+            matches!(word, "effects and curves" | "recommended").then(|| TraceOptions::new(options.identify.clone()));
         let found = calibrate(chain, statics, before.clone(), None, &options).unwrap_or_else(|error| panic!("{error}"));
         let [all, inside] = predicted(&found, statics, &placing, &judged, &within);
         println!("| {word} | {:.4} | {:.4} |", all * 1e3, inside * 1e3);
-        known = Some(
-            Earlier::read("earlier.json", &found.report.to_json(), chain).unwrap_or_else(|error| panic!("{error}")),
-        );
+        if word == "effects and curves" {
+            let report = found.report.to_json();
+            known = Some(Earlier::read("earlier.json", &report, chain).unwrap_or_else(|error| panic!("{error}")));
+        }
     }
     brought_up_to_date(statics, &before, &later, seed);
     with_effects_and_curves(statics, &known.unwrap(), &later, seed);
@@ -252,7 +255,7 @@ fn predicted(
     let [of_placing, of_judged] =
         [placing, judged].map(|rows| model.bound_to(rows).unwrap_or_else(|error| panic!("{error}")));
     let model = model.0;
-    let arm = if model.effects.is_empty() && model.curves.is_empty() {
+    let arm = if model.effects.is_empty() && model.curves.is_empty() && model.averaged.is_none() {
         fit(placing, &layout, &start, &NoEffects, &weights, &FitOptions::default()).arm
     } else {
         fit(placing, &layout, &start, &of_placing, &weights, &FitOptions::default()).arm

@@ -6,7 +6,6 @@ use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_identify::arm::Row;
-use denavit_identify::averaging::NotAveraged;
 use denavit_identify::effects::{
     Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term,
 };
@@ -14,15 +13,9 @@ use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{MissingColumn, Units, read};
 use denavit_model::examples::puma_like;
-use denavit_trace::infer::curves::CurveOptions;
 
 /// Gears that err with their own turn.
 fn gears(statics: &Statics) -> EffectModel {
-    gears_of(statics, [1.0, 2.3, 3.0])
-}
-
-/// Gears of the first three joints with so many periods a turn.
-fn gears_of(statics: &Statics, orders: [f64; 3]) -> EffectModel {
     let gear = |joint: usize, order: f64, size: f64| Effect {
         term: Term {
             kind: Kind::TransmissionError,
@@ -32,10 +25,7 @@ fn gears_of(statics: &Statics, orders: [f64; 3]) -> EffectModel {
         },
         coefficients: vec![size, -size],
     };
-    EffectModel::new(
-        statics.clone(),
-        vec![gear(0, orders[0], 6e-4), gear(1, orders[1], 5e-4), gear(2, orders[2], 5e-4)],
-    )
+    EffectModel::new(statics.clone(), vec![gear(0, 1.0, 6e-4), gear(1, 2.3, 5e-4), gear(2, 3.0, 5e-4)])
 }
 
 /// Rows to fit and rows of the same arm to judge by.
@@ -155,26 +145,4 @@ fn outside_of_what_was_measured_the_prediction_is_unsure_and_goes_back_to_geomet
     assert!(
         denavit_calibrate::report::text::calibration(&result).contains("expected error of the averaged prediction")
     );
-}
-
-/// The posterior is of some thousand values; the model with curves is fitted to all rows, and is compared as it is. Averaging has no waves as fast
-/// as one of these gears.
-#[test]
-fn in_a_long_run_the_choice_is_made_on_rows_that_averaging_has_not_seen() {
-    let chain = puma_like();
-    let simulated = SimulationOptions { kind: ObservationKind::Position, rows: 4500, seed: 3, ..Default::default() };
-    let all = simulate(&chain, &simulated, &gears_of(&Statics::of_chain(&chain), [1.0, 50.0, 3.0])).data;
-    let order: Vec<usize> = (0..all.len()).collect();
-    let (train, test) = (all.subset(&order[..4200]), all.subset(&order[4200..]));
-    let curves = Some(CurveOptions::default());
-    let options = CalibrateOptions { average: true, curves, ..CalibrateOptions::geometry(&chain) };
-    let result = calibrate(&chain, &Statics::of_chain(&chain), train, Some(test), &options).unwrap();
-    let Err(NotAveraged::NamedIsBetter { named, averaged }) = result.averaging else {
-        panic!("curves from all rows are better than what is averaged from some")
-    };
-    let of_stages = &result.report.stages;
-    assert_eq!(of_stages.last().unwrap().name, "geometric + curves");
-    let held_out = of_stages.last().unwrap().test.as_ref().unwrap().of("position").unwrap().rms / 3f64.sqrt();
-    println!("curves: {named:.3e} among the fitted rows, {held_out:.3e} on others; averaged {averaged:.3e}");
-    assert!((named / held_out - 1.0).abs() < 0.1 && named < averaged);
 }

@@ -140,25 +140,14 @@ fn values(rows: &[LeftOut]) -> f64 {
     rows.iter().map(|row| row.residual.len()).sum::<usize>() as f64
 }
 
-/// The model of causes beside everything averaged, on the same rows.
-struct Compared {
-    /// Root mean squares, m for each axis.
-    named: f64,
-    averaged: f64,
-    /// Whether that of causes predicts them better, beyond chance.
-    better: bool,
-}
-
-impl Compared {
-    /// From squares of the two, each with the number of its posture, and how many lengths they are of. They are compared posture by posture: a search
-    /// among a thousand causes finds some that help by less than chance does.
-    fn of(squares: &[(usize, [f64; 2])], values: f64) -> Self {
-        let of_posture = |own: &[(usize, [f64; 2])]| own.iter().map(|(_, [named, averaged])| averaged - named).sum();
-        let changes: Vec<f64> = squares.chunk_by(|a, b| a.0 == b.0).map(of_posture).collect();
-        let [named, averaged] =
-            [0, 1].map(|k: usize| (squares.iter().map(|(_, own)| own[k]).sum::<f64>() / values).sqrt());
-        Self { named, averaged, better: changes.len() >= LEAST_POSTURES && above_zero(&changes, CHANCE) }
-    }
+/// Whether these rows are predicted better than by another model, beyond chance, posture by posture. A search among a thousand causes finds some
+/// that help left-out postures by less.
+fn clearly_better(these: &[LeftOut], others: &[LeftOut]) -> bool {
+    let change = |(this, other): (&LeftOut, &LeftOut)| (this.posture, other.square() - this.square());
+    let changes: Vec<(usize, f64)> = these.iter().zip(others).map(change).collect();
+    let of_posture = |own: &[(usize, f64)]| own.iter().map(|(_, change)| change).sum();
+    let changes: Vec<f64> = changes.chunk_by(|a, b| a.0 == b.0).map(of_posture).collect();
+    changes.len() >= LEAST_POSTURES && above_zero(&changes, CHANCE)
 }
 
 /// The same rows predicted by the blend of both.
@@ -266,23 +255,14 @@ pub fn averaged(
         )
     });
     with_threads(|| {
-        let averager_of_all = averager(&terms);
-        let (found, left_out, plain) = averager_of_all.run(statics, &identification.nominal.arm, geometric)?;
-        let compared = of_named.as_ref().and_then(|(named, terms)| {
-            let on_other_rows = averager_of_all.on_other_rows(named.fit, &found.fit);
-            on_other_rows.or_else(|| {
-                let both = averager(terms).named(named, &plain)?;
-                let square =
-                    |(named, averaged): (&LeftOut, &LeftOut)| (named.posture, [named.square(), averaged.square()]);
-                let squares: Vec<_> = both.iter().zip(&left_out).map(square).collect();
-                Some(Compared::of(&squares, values(&both)))
-            })
-        });
-        Some((Averaging { named: compared.as_ref().map(|compared| compared.named), ..found }, compared))
+        let (found, left_out, plain) = averager(&terms).run(statics, &identification.nominal.arm, geometric)?;
+        let named = of_named.as_ref().and_then(|(named, terms)| averager(terms).named(named, &plain));
+        let better = named.as_ref().is_some_and(|named| clearly_better(named, &left_out));
+        Some((Averaging { named: named.map(|rows| mean_square(&rows).sqrt()), ..found }, better))
     })
     .ok_or(NotAveraged::Numbers)
-    .and_then(|(found, compared)| match compared {
-        Some(Compared { named, averaged, better: true }) => Err(NotAveraged::NamedIsBetter { named, averaged }),
+    .and_then(|(found, better)| match (found.named, found.left_out[1]) {
+        (Some(named), averaged) if better => Err(NotAveraged::NamedIsBetter { named, averaged }),
         _ => Ok(found),
     })
 }
@@ -413,42 +393,6 @@ impl Averager<'_> {
             (at, _) = self.at_mean(&at, &rows, &self.curvature(&rows, &at)?, 1.0);
         }
         Some(self.left_out(&at)?.1)
-    }
-
-    /// Where the posterior is of less than half of the run: the others of its rows as everything averaged predicts them, and as a fit to all rows has
-    /// them. What that leaves is enlarged to what it is expected to leave of rows that it has not seen (Akaike 1970: final prediction error).
-    fn on_other_rows(&self, named: &Fit<EffectModel>, averaged: &Fit<EffectModel>) -> Option<Compared> {
-        if self.data.values() < 2 * VALUES {
-            return None;
-        }
-        let mut others = vec![true; self.data.len()];
-        self.all.iter().for_each(|&row| others[row] = false);
-        let others: Vec<usize> = (0..self.data.len()).filter(|&row| others[row]).collect();
-        let step = (others.len() * self.data.values() / self.data.len()).div_ceil(VALUES);
-        let others: Vec<usize> = others.into_iter().step_by(step).collect();
-        let predicted = residuals(&averaged.arm, &averaged.effects, &self.data.subset(&others));
-        let (mut squares, mut count) = (Vec::new(), 0);
-        for own in predicted.chunk_by(|a, b| a.row == b.row) {
-            let row = others[own[0].row];
-            let first = self.data.of_row(row).start;
-            let mut both = [0.0; 2];
-            for (k, residual) in own.iter().enumerate() {
-                let series = self.data.series_of(first + k);
-                let Some(channel) = series.channels[0].filter(|&channel| self.data.scene.channels[channel].unit == "m")
-                else {
-                    continue;
-                };
-                if self.observed[first + k] == 0.0 {
-                    continue;
-                }
-                let (used, kept) = (named.parameters_used[channel], named.values[channel]);
-                both[0] += named.squares[first + k][0] * (kept + used) / (kept - used);
-                both[1] += residual.place.norm_squared();
-                count += series.kind.place().height;
-            }
-            squares.push((row, both.map(|square| square * self.weights[row])));
-        }
-        Some(Compared::of(&squares, count as f64))
     }
 
     /// The averaged prediction, rows as it predicts them of all the others, and where geometry alone comes to stand.
