@@ -127,7 +127,7 @@ fn what_a_run_left_open_is_planned_for() {
     let in_degrees = "plan arm.urdf --tell-apart run.csv --count 8 --spread 200";
     trial.refuses(&format!("{in_degrees} --units mm,deg"), "run.csv");
     let report = trial.run("calibrate arm.urdf --data run.csv").succeeded();
-    assert!(report.contains("`denavit plan` writes them, told the run to tell apart."), "{report}");
+    assert!(report.contains("`denavit plan` with --tell-apart writes them."), "{report}");
     trial.refuses("plan arm.urdf --tell-apart none.csv", "none.csv");
     trial.refuses("plan arm.urdf", "--count");
     trial.refuses("plan arm.urdf --tell-apart run.csv --measure poses", "--measure");
