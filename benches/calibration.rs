@@ -1,9 +1,11 @@
 //! Calibration: identification of a large file, the tracer's scan over all candidates, and its whole search.
 
 use denavit_benches::{ROBOTS, report, robot_text};
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::effects::survey::with_run_order;
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::Covariate;
 use denavit_measurements::kinds::ObservationKind;

@@ -3,8 +3,10 @@
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
 use denavit_benches::{BATCH, ROBOTS, chain, configurations, moved_axes, robot_text};
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_compare::{Options, Subject, compare};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Point3, Vector6};

@@ -5,7 +5,6 @@ use crate::errors::{Class, Spot, broken, calibration, error, load, measured, sai
 use crate::given_file::Given;
 use crate::interruptible::{Tell, interruptible};
 use crate::robot::reading;
-use denavit_calibrate::ObservationKind;
 use denavit_calibrate::calibration::{
     CalibrateError, CalibrateOptions, Calibration, HoldOut, Progress, calibrate_and_tell,
 };
@@ -18,6 +17,7 @@ use denavit_load::measured::{DataFile, Rows, RowsAsked, SearchAsked, moving, oth
 use denavit_load::{Loaded, Selection};
 use denavit_measurements::Measurements;
 use denavit_measurements::kinds::KINDS;
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Tips;
 use denavit_model::nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};

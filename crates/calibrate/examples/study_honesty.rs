@@ -3,9 +3,10 @@
 //! `cargo run --release -p denavit-calibrate --example study_honesty -- FILES [ROWS ...]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::{IdentifyOptions, Measurements, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements};
 use denavit_identify::effects::survey::with_run_order;
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::Vector3;

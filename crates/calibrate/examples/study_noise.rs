@@ -4,8 +4,10 @@
 //! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements};
+use denavit_identify::identify;
 use denavit_identify::noise::{Component, NoiseModel, noise_model};
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};

@@ -5,7 +5,9 @@
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Unit, Vector3, Vector6};

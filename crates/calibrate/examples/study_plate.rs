@@ -5,7 +5,8 @@
 #[path = "../tests/touched/mod.rs"]
 mod touched;
 
-use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_calibrate::IdentifyOptions;
+use denavit_identify::identify;
 use denavit_model::Reading;
 use touched::Touching;
 

@@ -7,9 +7,10 @@
 //! Prints the cases whose names differ, and a table.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
-use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::effects::Statics;
 use denavit_identify::effects::survey::with_run_order;
+use denavit_identify::identify;
 use denavit_measurements::{Measurements, Units, read, write};
 use denavit_model::{Chain, Screw, tree::Reading};
 use denavit_trace::{TraceOptions, trace};

@@ -136,11 +136,14 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
         readings: Some(poses),
         ..Default::default()
     };
-    let bare = simulate(chain, &simulated, &denavit_calibrate::NoEffects);
+    let bare = simulate(chain, &simulated, &denavit_identify::parameters::NoEffects);
     let judges = readings(chain, JUDGES, seed ^ 0xbeef);
     // As strong as it is over the whole range.
     let wide = SimulationOptions { readings: Some(judges.clone()), rows: JUDGES, ..simulated.clone() };
-    let wide = Simulation { data: simulate_arm(&bare.arm, &wide, &denavit_calibrate::NoEffects).data, ..bare.clone() };
+    let wide = Simulation {
+        data: simulate_arm(&bare.arm, &wide, &denavit_identify::parameters::NoEffects).data,
+        ..bare.clone()
+    };
     let effects = specified_effects(&[specification.parse().unwrap()], statics, &wide, seed).ok()?;
     let run = simulate(chain, &simulated, &effects);
     let measured = |poses: Vec<Vec<f64>>, seed: u64| {
@@ -318,7 +321,7 @@ fn time() {
     let (chain, statics) = (&robot.chain, &robot.statics);
     for seed in 0..6 {
         let simulated = SimulationOptions { rows: 400, seed, ..Default::default() };
-        let bare = simulate(chain, &simulated, &denavit_calibrate::NoEffects);
+        let bare = simulate(chain, &simulated, &denavit_identify::parameters::NoEffects);
         let effect = "joint_compliance@elbow_joint=0.014mm".parse().unwrap();
         let effects = specified_effects(&[effect], statics, &bare, seed).unwrap();
         let data = simulate(chain, &simulated, &effects).data;

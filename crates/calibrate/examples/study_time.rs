@@ -3,7 +3,9 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A study prints its figures, and stops at the first error.
 
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Units, read, write};

@@ -6,10 +6,13 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in sorted lists")]
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
 
-use denavit_calibrate::{Effects, IdentifyOptions, ResidualModel, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::effects::catalogue::Kind;
 use denavit_identify::effects::survey::{with_run_order, with_run_order_after};
 use denavit_identify::effects::{Driver, Statics};
+use denavit_identify::identify;
+use denavit_identify::parameters::Effects;
+use denavit_identify::residual::ResidualModel;
 use denavit_measurements::{Measurements, Units, read};
 use denavit_model::{Chain, tree::Reading};
 use denavit_trace::{Finding, TraceOptions, trace};
@@ -27,7 +30,7 @@ fn load(path: &Path, chain: &Chain) -> Measurements {
 
 fn rms<E: Effects>(
     data: &Measurements,
-    layout: &denavit_calibrate::Layout,
+    layout: &denavit_identify::parameters::Layout,
     arm: &denavit_calibrate::Arm,
     effects: &E,
 ) -> f64 {

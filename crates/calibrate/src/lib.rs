@@ -50,20 +50,3 @@ pub use denavit_trace::infer::curves::CurveOptions;
 #[cfg(feature = "pages")]
 pub use report::html::{PageError, page};
 pub use report::text::report;
-
-#[doc(hidden)]
-pub use denavit_export::kinematics_yaml;
-#[doc(hidden)]
-pub use denavit_identify::arm::{Perturbation, Perturbed, Row, RowState};
-#[doc(hidden)]
-pub use denavit_identify::parameters::{Effects, Layout, NoEffects, Parameter, ParameterKind, Sensitivity};
-#[doc(hidden)]
-pub use denavit_identify::residual::ResidualModel;
-#[doc(hidden)]
-pub use denavit_identify::solve::{Fit, Noise};
-#[doc(hidden)]
-pub use denavit_identify::{Identification, identify};
-#[doc(hidden)]
-pub use denavit_measurements::Scene;
-#[doc(hidden)]
-pub use denavit_measurements::kinds::ObservationKind;

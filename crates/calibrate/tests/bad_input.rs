@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects};
+use denavit_calibrate::{IdentifyOptions, Measurements};
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Covariate, DataNote, Units, read, write};

@@ -4,9 +4,13 @@
 
 use crate::webcam::{efficiency, panda, webcam};
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
-use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Tolerances};
 use denavit_identify::effects::driver::Statics;
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::residual::Scratch;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_measurements::board::Sight;
@@ -117,7 +121,7 @@ fn a_camera_and_a_tracker_are_one_fit() {
     assert_eq!((data.scene.setups.len(), data.scene.targets.len()), (2, 2));
     let (both, alone) = (one(&data), one(&positions));
     // The more is measured, the surer every axis is.
-    let spread = |fit: &denavit_calibrate::Fit<NoEffects>| -> f64 {
+    let spread = |fit: &denavit_identify::solve::Fit<NoEffects>| -> f64 {
         fit.layout.joints.clone().map(|k| fit.covariance[(k, k)]).sum::<f64>().sqrt()
     };
     println!("levels {:?}, spread {:.2e} of {:.2e}", both.noise.levels, spread(&both), spread(&alone));

@@ -2,9 +2,12 @@
 
 use crate::webcam::{efficiency_of, panda};
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
-use denavit_calibrate::{Arm, Fit, Freedom, IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Measurements};
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_identify::solve::Fit;
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Units, read, write};
 use denavit_model::{Chain, examples};

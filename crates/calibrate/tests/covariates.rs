@@ -1,8 +1,10 @@
 //! What effects follow is bound to columns: one that is missing, or that has an empty cell, is an error and never 0.
 
-use denavit_calibrate::{Effects as _, Measurements, NoEffects};
+use denavit_calibrate::Measurements;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::parameters::Effects as _;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::{Residual, bound_later, residuals};
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_measurements::{Covariate, Units, read};

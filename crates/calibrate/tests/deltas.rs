@@ -1,12 +1,14 @@
 //! What a controller's table is to be changed by: on the nominal table's branch, within its standard deviations of the truth.
 
 use super::diagnosis::robot;
+use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::report::deltas::{Nominal, of_fit};
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
 use denavit_dh::convert::HAYATI_BELOW;
 use denavit_dh::nearest::Parallels;
 use denavit_dh::{NearParallel, Options, Parallelism, convert};
 use denavit_export::deltas::{csv, deltas};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::posterior::{Earlier, Posterior};
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;

@@ -4,12 +4,14 @@
 
 use super::measured::measured;
 use super::real::{irb120, tiago};
+use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{Measurements, NoEffects, ObservationKind};
 use denavit_export::sources::{self, Source, Stated};
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Units, read};
 use denavit_model::Chain;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};

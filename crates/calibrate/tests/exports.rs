@@ -2,7 +2,7 @@
 
 use super::diagnosis::{robot, universal_robot};
 use super::measured::measured;
-use denavit_calibrate::NoEffects;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::import::{self, ImportOptions, Map};
 use denavit_measurements::kinds::ObservationKind;

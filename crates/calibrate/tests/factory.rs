@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::approx_constant)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::apply::delta_table;
-use denavit_calibrate::kinematics_yaml::{AngleOrder, KinematicsFile, NAMES, read};
 use denavit_dh::DhRow;
+use denavit_export::kinematics_yaml::{AngleOrder, KinematicsFile, NAMES, read};
 use denavit_model::{Chain, se3};
 
 fn shared(name: &str) -> Option<String> {

@@ -3,11 +3,14 @@
 use crate::webcam::{derivatives, efficiency_of, panda};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{Arm, Fit, Freedom, IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Measurements};
 use denavit_identify::effects::Statics;
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::residuals;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_identify::solve::Fit;
 use denavit_measurements::import::ImportOptions;
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Units, read, read_export, write};

@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use denavit_calibrate::apply::identifiable::of_chain;
-use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::{Freedom, IdentifyOptions};
 use denavit_identify::dh_form::dh_form;
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;

@@ -1,9 +1,11 @@
 //! A target whose range depends on how it is turned to the instrument.
 
 use crate::drawn::ur5e;
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::residuals;
 use denavit_identify::simulate::{SimulationOptions, readings, simulate, simulate_arm};
 use denavit_measurements::kinds::ObservationKind;

@@ -2,13 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is a failure")]
 
-use denavit_calibrate::{
-    Arm, Freedom, IdentifyOptions, Layout, Measurements, NoEffects, ParameterKind, RowState, Tolerances, identify,
-};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Measurements, Tolerances};
+use denavit_identify::arm::RowState;
 use denavit_identify::effects::survey::Survey;
 use denavit_identify::effects::{Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
 use denavit_identify::initial_guess::rigid_fit;
 use denavit_identify::noise::{NoiseModel, noise_model};
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::parameters::ParameterKind;
 use denavit_identify::simulate::{SimulationOptions, readings, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Covariate, Covariates, RecordedRow, read, write};
@@ -195,7 +198,7 @@ fn effects_stand_between_joints_and_surroundings_and_can_be_taken_out() {
         assert_eq!(names.len(), layout.len(), "{}: two parameters of one name", chain.name());
         let statics = Statics::of_chain(&chain);
         let model = EffectModel::of_terms(&statics, None, &[scale(0), scale(chain.joints().len() - 1)]);
-        let with = layout.with_effects(denavit_calibrate::Effects::parameters(&model));
+        let with = layout.with_effects(denavit_identify::parameters::Effects::parameters(&model));
         assert_eq!(with.effects, layout.joints.end..layout.joints.end + 2);
         for (target, place) in with.places.iter().enumerate() {
             assert_eq!(with.parameters[place.unwrap()].kind, ParameterKind::Target { target, component: 0 });

@@ -1,10 +1,16 @@
 //! The closed-form residual Jacobian against central differences.
 
-use denavit_calibrate::{
-    Arm, Effects, Freedom, Layout, NoEffects, Parameter, ParameterKind, Perturbation, Perturbed, ResidualModel, Row,
-    Tolerances,
-};
+use denavit_calibrate::{Arm, Freedom, Tolerances};
+use denavit_identify::arm::Perturbation;
+use denavit_identify::arm::Perturbed;
+use denavit_identify::arm::Row;
+use denavit_identify::parameters::Effects;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::parameters::Parameter;
+use denavit_identify::parameters::ParameterKind;
 use denavit_identify::parameters::Sensitivity;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::residual::Scratch;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;

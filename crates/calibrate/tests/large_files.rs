@@ -1,6 +1,6 @@
 //! Files that are read row by row, beside the same rows read as a whole.
 
-use denavit_calibrate::NoEffects;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Loaded, Measurements, Units, read, write};

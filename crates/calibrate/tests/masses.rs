@@ -3,8 +3,10 @@
 use crate::drawn::drawn;
 use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements};
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Chain;

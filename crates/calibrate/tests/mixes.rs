@@ -4,9 +4,13 @@
 
 use crate::measured::measured;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Tolerances};
 use denavit_identify::effects::driver::Statics;
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::residual::Scratch;
 use denavit_identify::residual_statistics::lengths_found;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
@@ -17,7 +21,7 @@ use denavit_model::tree::Reading;
 use denavit_model::{Chain, examples, urdf};
 
 /// The same robot measured in another kind; `rows` of it.
-fn measured_as(arm: &Arm, kind: denavit_calibrate::ObservationKind, rows: usize, noise: f64) -> Measurements {
+fn measured_as(arm: &Arm, kind: denavit_measurements::kinds::ObservationKind, rows: usize, noise: f64) -> Measurements {
     let chain = &arm.nominal;
     let own = simulate(chain, &SimulationOptions { kind, rows, seed: 3, ..Default::default() }, &NoEffects).arm;
     let arm = Arm { joints: arm.joints.clone(), ..own };

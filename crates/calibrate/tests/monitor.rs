@@ -3,7 +3,9 @@
 use denavit_calibrate::apply::plan::PlanOptions;
 use denavit_calibrate::calibration::monitor::{Monitor, MonitorOptions, RowStatus};
 use denavit_calibrate::report::monitor::{json, knowledge, line};
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, RowState};
+use denavit_calibrate::{IdentifyOptions, Measurements};
+use denavit_identify::arm::RowState;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{Simulation, SimulationOptions, as_displayed, simulate, simulate_arm};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};

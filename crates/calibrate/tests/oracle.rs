@@ -4,8 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::runs::{self, Run, Score};
-use denavit_calibrate::{Freedom, IdentifyOptions, NoEffects};
+use denavit_calibrate::{Freedom, IdentifyOptions};
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::quantization;
 use std::collections::BTreeMap;
 
@@ -130,7 +131,7 @@ fn a_joint_that_never_moves_is_named_and_its_neighbours_are_found() {
 fn rounded_readings_are_noticed_and_their_share_is_right() {
     for run in runs_of(|case| case.contains("grid")) {
         let options = IdentifyOptions::axes(&run.chain);
-        let fit = denavit_calibrate::identify(&run.chain, &run.train, &options).geometric;
+        let fit = denavit_identify::identify(&run.chain, &run.train, &options).geometric;
         let rounding = quantization::rounding(&fit.arm, &run.train).unwrap();
         println!("{}: {rounding}; drawn {:.3} mm", run.case, run.rounding * 1e3);
         assert!((rounding.error / run.rounding - 1.0).abs() < 0.1, "{}: {rounding}", run.case);

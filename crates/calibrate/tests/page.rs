@@ -3,13 +3,14 @@
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
 use crate::curves::giving;
+use denavit_calibrate::IdentifyOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_calibrate::report::html::page;
-use denavit_calibrate::{IdentifyOptions, NoEffects};
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::Kind;
 use denavit_identify::effects::driver::{Driver, Statics};
 use denavit_identify::effects::model::{Coupling, Effect, EffectModel, Term};
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples::puma_like;

@@ -4,11 +4,15 @@
 //! The terms are those of [`KINDS`] on runs that record everything, so that a new kind, carrier or driver is in the test as soon
 //! as it is in the catalogue.
 
-use denavit_calibrate::{
-    Arm, Effects as _, Freedom, Layout, Measurements, NoEffects, Perturbation, ResidualModel, Row, Tolerances,
-};
+use denavit_calibrate::{Arm, Freedom, Measurements, Tolerances};
+use denavit_identify::arm::Perturbation;
+use denavit_identify::arm::Row;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{EffectModel, KINDS, Kind, Statics, Term};
+use denavit_identify::parameters::Effects as _;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::simulate::columns::columns;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;

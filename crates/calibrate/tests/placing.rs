@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::{errors, placed, residuals};
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_measurements::kinds::ObservationKind;

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
-use denavit_calibrate::NoEffects;
 use denavit_calibrate::apply::compensate::{Wanted, compensate};
 use denavit_calibrate::apply::plan::{PlanOptions, plan};
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_ik::Solver;
 use denavit_measurements::Units;

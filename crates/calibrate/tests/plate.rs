@@ -1,7 +1,8 @@
 //! Joint zeros from a printed plate of holes.
 
 use crate::touched::Touching;
-use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_calibrate::IdentifyOptions;
+use denavit_identify::identify;
 use denavit_measurements::import::ImportOptions;
 use denavit_measurements::{Units, read, read_export};
 use denavit_model::examples;

@@ -4,8 +4,9 @@
 
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::posterior::{Earlier, EarlierError};
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_model::{Chain, examples};

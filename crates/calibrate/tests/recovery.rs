@@ -3,7 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
 
 use crate::drawn::drawn;
-use denavit_calibrate::{IdentifyOptions, Layout, NoEffects, ResidualModel, identify};
+use denavit_calibrate::IdentifyOptions;
+use denavit_identify::identify;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, examples};
@@ -12,9 +16,9 @@ const KINDS: [ObservationKind; 3] = [ObservationKind::Pose, ObservationKind::Pos
 
 /// Root mean square and largest position (or distance) error of a fitted arm on unseen, noise-free data, m.
 fn unseen_error(
-    fit: &denavit_calibrate::Fit<NoEffects>,
+    fit: &denavit_identify::solve::Fit<NoEffects>,
     truth: &denavit_calibrate::Arm,
-    kind: denavit_calibrate::ObservationKind,
+    kind: denavit_measurements::kinds::ObservationKind,
 ) -> f64 {
     let options = SimulationOptions {
         kind,

@@ -6,7 +6,8 @@ use crate::drawn::ur5e;
 use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_trace::TraceOptions;
 

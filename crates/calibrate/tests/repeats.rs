@@ -2,11 +2,12 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
+use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{Measurements, NoEffects};
 use denavit_identify::effects::driver::Statics;
 use denavit_identify::lack_of_fit::LackOfFit;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, examples};

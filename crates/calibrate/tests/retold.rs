@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 
 use crate::drawn::ur5e;
-use denavit_calibrate::{IdentifyOptions, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
 use denavit_identify::simulate::{SimulationOptions, readings, simulate};
 use denavit_measurements::{Measurements, Units, read, write};
 use denavit_model::Chain;

@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used)] // Tests: a panic is a failure.
 
-use denavit_calibrate::NoEffects;
 use denavit_calibrate::calibration::rows::{RowEntry, to_csv};
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, HoldOut, calibrate};
 use denavit_calibrate::report::html;
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;

@@ -2,8 +2,10 @@
 
 #![allow(clippy::print_stdout)] // What is printed is read.
 
-use denavit_calibrate::{IdentifyOptions, NoEffects, identify};
+use denavit_calibrate::IdentifyOptions;
 use denavit_identify::gauge;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
 use denavit_model::examples;

@@ -4,13 +4,17 @@
 
 use crate::hands::{TWO_ARMS, both};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Layout, NoEffects, ResidualModel, Tolerances, identify};
+use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Tolerances};
 use denavit_identify::arm::{Perturbation, RowState};
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Conditions, Effect, EffectModel, KINDS, SavedEffects, Statics};
 use denavit_identify::gauge;
 use denavit_identify::identifiability::identifiability;
+use denavit_identify::identify;
 use denavit_identify::parameters::Effects as _;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::residual::Scratch;
 use denavit_identify::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};

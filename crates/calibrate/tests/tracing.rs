@@ -8,9 +8,11 @@
 use crate::drawn::drawn;
 use crate::measured::measured;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::{IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{IdentifyOptions, Measurements};
 use denavit_identify::effects::survey::with_run_order;
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::effect_specification::specified_effects;
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;

@@ -1,12 +1,13 @@
 //! Joints that warm with their own work, where no thermometer is.
 
 use crate::drawn::ur5e;
+use denavit_calibrate::Measurements;
 use denavit_calibrate::apply::compensate::{Allowed, in_order};
 use denavit_calibrate::apply::plan::PlanOptions;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::{Measurements, NoEffects};
 use denavit_identify::effects::survey::{Survey, with_run_order, with_run_order_after};
 use denavit_identify::effects::{Carrier, Conditions, Driver, Effect, EffectModel, Kind, SavedEffects, Statics};
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::effect_specification::specified_effects;
 use denavit_identify::simulate::{SimulationOptions, readings, simulate};
 use denavit_measurements::kinds::ObservationKind;

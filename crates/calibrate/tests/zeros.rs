@@ -2,10 +2,13 @@
 
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::report::text;
-use denavit_calibrate::{Arm, IdentifyOptions, Measurements, NoEffects, ObservationKind, identify};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::parameters::ParameterKind;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
+use denavit_measurements::kinds::ObservationKind;
 use denavit_model::{Chain, examples};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -11,10 +11,12 @@
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation)]
 
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
-use denavit_calibrate::{Freedom, IdentifyOptions, Layout, Measurements, NoEffects, Scene, Tolerances};
+use denavit_calibrate::{Freedom, IdentifyOptions, Measurements, Tolerances};
 use denavit_fleet::siblings::{Learned, Sibling};
 use denavit_identify::arm::{Arm, AxisBasis};
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::parameters::ParameterKind;
 use denavit_identify::posterior::Earlier;
 use denavit_identify::prior::{SourceKind, sources};
@@ -22,6 +24,7 @@ use denavit_identify::residual_statistics::{errors, placed, residuals};
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};
 use denavit_linear::threads::{on_this_thread, par_map};
 use denavit_load::Selection;
+use denavit_measurements::Scene;
 use denavit_measurements::{Units, read_socket};
 use denavit_model::Chain;
 use denavit_model::nalgebra::DVector;

@@ -8,11 +8,13 @@
 #![allow(clippy::print_stdout)] // A study prints its table.
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
+use denavit_calibrate::Measurements;
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
-use denavit_calibrate::{Effects, Measurements, NoEffects};
 use denavit_fleet::statistics::vigil::{Night, Nights, Watch, scatters, watch_of};
 use denavit_identify::arm::Arm;
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::parameters::Effects;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::effect_specification::{EffectSpecification, specified_effects};
 use denavit_identify::simulate::{Simulation, SimulationOptions, commanded_readings, simulate, simulate_arm};
 use denavit_load::Selection;

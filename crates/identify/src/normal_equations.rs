@@ -1,8 +1,7 @@
 //! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
 
 use crate::arm::Arm;
-pub use crate::jacobian_block::Channel;
-use crate::jacobian_block::JacobianBlock;
+use crate::jacobian_block::{Channel, JacobianBlock};
 use crate::parameters::{Effects, Parameter, ParameterKind};
 use crate::residual::{ResidualModel, Scratch};
 use crate::simd_residuals;

@@ -12,6 +12,7 @@ mod pose;
 mod position;
 mod socket;
 
+pub use self::pose::rotation as rotation_of_pose;
 use crate::{MeasurementError, Series};
 use denavit_model::nalgebra::{Rotation3, Vector3};
 use serde::{Serialize, Serializer};

@@ -10,7 +10,7 @@ use std::rc::Rc;
 pub(super) const MOST_PROBLEMS: usize = 10;
 /// No number of a joint or of an instrument is written larger than this: a thousand kilometres in micrometres. Squares of larger
 /// ones leave the range of numbers.
-pub(super) const LARGEST_WRITTEN: f64 = 1e12;
+const LARGEST_WRITTEN: f64 = 1e12;
 
 /// The rows of a file, header included, `#` lines left out.
 pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {

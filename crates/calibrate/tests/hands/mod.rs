@@ -1,7 +1,9 @@
 //! Two hands of one robot that touch each other or hold a tool: rows as a user would write them, and how near a fit of them comes to the bound.
 
 use crate::webcam::derivatives;
-use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, identify};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
+use denavit_identify::identify;
+use denavit_identify::parameters::Layout;
 use denavit_identify::simulate::two_tips::{TwoTips, apart, simulate, touch, write};
 use denavit_identify::simulate::{SimulationOptions, true_target};
 use denavit_measurements::import::ImportOptions;

@@ -1,8 +1,12 @@
 //! Runs made by pinocchio (`tests/oracle/calibration/runs.py`), the fit to one, and what the fit is to be judged by.
 
-use denavit_calibrate::{Arm, Fit, Identification, IdentifyOptions, Measurements, NoEffects, identify};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
+use denavit_identify::Identification;
 use denavit_identify::gauge;
+use denavit_identify::identify;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::{Residual, residuals};
+use denavit_identify::solve::Fit;
 use denavit_measurements::{Units, read};
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Chain, Pose, Reading, se3, urdf};

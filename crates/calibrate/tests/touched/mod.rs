@@ -1,7 +1,8 @@
 //! A simulated arm that touches the holes of a plate, as the rows that a user would write.
 
-use denavit_calibrate::{Arm, Measurements, NoEffects};
+use denavit_calibrate::{Arm, Measurements};
 use denavit_identify::initial_guess::rigid_fit;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::simulate::postures::brought_to;
 use denavit_identify::simulate::{SimulationOptions, readings, simulate, true_target};
 use denavit_measurements::import::ImportOptions;

@@ -1,7 +1,11 @@
 //! A webcam and a Franka Panda, and how near a fit comes to what the noise allows: for the tests and for `study_camera`.
 
-use denavit_calibrate::{Arm, IdentifyOptions, Layout, Measurements, NoEffects, ResidualModel, identify};
+use denavit_calibrate::{Arm, IdentifyOptions, Measurements};
 use denavit_identify::gauge;
+use denavit_identify::identify;
+use denavit_identify::parameters::Layout;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::residual::ResidualModel;
 use denavit_identify::residual::Scratch;
 use denavit_identify::residual_statistics::residuals;
 use denavit_identify::simulate::{SimulationOptions, simulate, simulate_arm};

@@ -5,19 +5,16 @@
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen, position};
 use crate::parameters::{Layout, Sensitivity};
+use denavit_measurements::kinds::rotation_of_pose;
 use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::se3;
 
 #[derive(Debug)]
 pub(super) struct Pose;
 
-fn rotation(values: &[f64]) -> Rotation3<f64> {
-    Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(&values[3..12]))
-}
-
 impl Observe for Pose {
     fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy {
-        let turned = seen.instrument().rotation.inverse() * rotation(seen.values);
+        let turned = seen.instrument().rotation.inverse() * rotation_of_pose(seen.values);
         let predicted = seen.tip.rotation * seen.arm.targets[seen.series.target].rotation;
         let turn = se3::rotation_vector(&(turned * predicted.inverse()));
         Discrepancy { place: position::in_base(seen) - seen.predicted, turn }
@@ -47,7 +44,7 @@ impl Observe for Pose {
 
     fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>) {
         position::disturb(values, errors);
-        let turn = Rotation3::from_scaled_axis(errors.vector(errors.orientation)) * rotation(values);
+        let turn = Rotation3::from_scaled_axis(errors.vector(errors.orientation)) * rotation_of_pose(values);
         values[3..].copy_from_slice(turn.matrix().as_slice());
     }
 }

@@ -79,7 +79,7 @@ impl Read for Unreadable {
 mod tests {
     use super::*;
     use crate::measured::{DataFile, HashedFile, RowsAsked, rows};
-    use denavit_calibrate::NoEffects;
+    use denavit_identify::parameters::NoEffects;
     use denavit_identify::simulate::{SimulationOptions, simulate};
     use denavit_measurements::write;
     use denavit_model::examples;

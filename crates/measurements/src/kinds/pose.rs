@@ -9,7 +9,8 @@ use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Ve
 #[derive(Debug)]
 pub(super) struct Pose;
 
-fn rotation(values: &[f64]) -> Rotation3<f64> {
+/// The orientation among the numbers of a pose.
+pub fn rotation(values: &[f64]) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(&values[3..12]))
 }
 

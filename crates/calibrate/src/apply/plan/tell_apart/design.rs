@@ -7,7 +7,6 @@
 
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use denavit_trace::infer::hypotheses::{Hypotheses, Predicted};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
@@ -90,8 +89,6 @@ impl<'a> Offered<'a> {
 /// The choice among what is offered.
 pub(super) struct Design<'a> {
     offered: Offered<'a>,
-    /// Covariances of values with all others as known before, where they were needed: by hypothesis and value.
-    columns: BTreeMap<(usize, usize), Vec<f64>>,
     begun: State,
     now: State,
     /// Rows chosen.
@@ -117,8 +114,7 @@ impl<'a> Design<'a> {
         let toward = offered.predicted[0].covariances(0..split, split..offered.metres.len());
         let noncentrality = vec![0.0; count * count];
         let begun = State { of: of.collect(), apart: apart.collect(), noncentrality, toward };
-        let (now, columns, chosen) = (begun.clone(), BTreeMap::new(), Vec::new());
-        Self { offered, columns, now, begun, chosen, for_separation: 0 }
+        Self { offered, now: begun.clone(), begun, chosen: Vec::new(), for_separation: 0 }
     }
 
     /// Ordered pairs of different hypotheses, by index.
@@ -127,16 +123,13 @@ impl<'a> Design<'a> {
         (0..count * count).filter(move |pair| pair / count != pair % count)
     }
 
-    /// Conditions all on the values of a row; `toward` only where it is wanted.
-    fn add(&mut self, row: usize, toward: bool) {
+    /// Conditions all on the values of a row.
+    fn add(&mut self, row: usize) {
         let (count, split) = (self.offered.predicted.len(), self.offered.split());
         let wanted = self.offered.metres.len() - split;
         for value in self.offered.rows[row].clone() {
             for (b, predicted) in self.offered.predicted.iter().enumerate() {
-                let known = self.columns.entry((b, value));
-                let before =
-                    known.or_insert_with(|| predicted.covariances(value..value + 1, 0..self.offered.metres.len()));
-                let mut covariances = before.clone();
+                let mut covariances = predicted.covariances(value..value + 1, 0..self.offered.metres.len());
                 let own = &mut self.now.of[b];
                 for share in &own.shares {
                     let at = share[value];
@@ -161,7 +154,7 @@ impl<'a> Design<'a> {
                         cells.iter_mut().zip(share).for_each(|(cell, right)| *cell -= left * right);
                     }
                 }
-                if b == 0 && toward && wanted > 0 {
+                if b == 0 && wanted > 0 {
                     let (candidates, others) = covariances.split_at(split);
                     for (cells, left) in self.now.toward.chunks_exact_mut(wanted).zip(candidates) {
                         cells.iter_mut().zip(others).for_each(|(cell, right)| *cell -= left * right);
@@ -240,7 +233,7 @@ impl<'a> Design<'a> {
             }
             let Some((row, _)) = tells.or_else(|| self.best(|row| self.lowers(row))) else { break };
             self.chosen.push(row);
-            self.add(row, true);
+            self.add(row);
         }
         self.for_separation = places.len();
     }
@@ -359,7 +352,7 @@ mod tests {
     /// As if these rows had been chosen.
     fn begin(design: &mut Design<'_>, rows: &[usize]) {
         for &row in rows {
-            design.add(row, false);
+            design.add(row);
         }
     }
 

@@ -119,11 +119,8 @@ impl TellApart {
             let _ = writeln!(text, "possible causes:");
             for (index, (possible, set)) in prospect.possible.iter().zip(&each).enumerate() {
                 let own = beyond(set, &in_all);
-                let own = match own.is_empty() {
-                    true if in_all.is_empty() => "no cause",
-                    true => "no other",
-                    false => &own,
-                };
+                let none = if in_all.is_empty() { "no cause" } else { "no other" };
+                let own = if own.is_empty() { none } else { &own };
                 let _ = writeln!(text, "  {}  {:<9}  {own}", index + 1, percent(possible.probability));
             }
         } else {
