@@ -1,4 +1,4 @@
-//! The recipes of docs/ci.md, run as they stand there, in a repository of their own.
+//! Runs the recipes of docs/ci.md unchanged, in a repository of their own.
 
 use crate::support;
 use denavit_model::settings::{Shown, shown};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
-/// What a shell script gave.
+/// Result of a shell script.
 struct Ran {
     code: i32,
     output: String,
@@ -18,7 +18,7 @@ struct Repository {
 }
 
 impl Repository {
-    /// `None`, with the reason printed, where there is no git.
+    /// `None`, with the reason printed, if there is no git.
     fn new() -> Option<Self> {
         let has_git = Command::new("git").arg("--version").output().is_ok_and(|output| output.status.success());
         if !has_git {
@@ -37,7 +37,7 @@ impl Repository {
         self.folder.path().join(name)
     }
 
-    /// Runs a script in the repository, `denavit` on the PATH.
+    /// Runs a script in the repository, with `denavit` on the PATH.
     fn run(&self, shell: &str, script: &str) -> Ran {
         let binary = Path::new(env!("CARGO_BIN_EXE_denavit")).parent().unwrap();
         let path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
@@ -71,7 +71,7 @@ fn page(name: &str) -> String {
     std::fs::read_to_string(support::top().join(name)).unwrap()
 }
 
-/// The code blocks of a page, of one language, joined with their neighbours.
+/// The code blocks of one language in a page.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let start = format!("```{language}\n");
     page.split(&start).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
@@ -97,7 +97,7 @@ fn a_diff_against_head_names_the_joint_that_was_edited() {
     assert!(edited.output.contains("joint \"elbow_joint\": axis moved by 2 mm"), "{}", edited.output);
 }
 
-/// A repository in which `git diff` is set up as docs/ci.md says, with another robot as `arm.urdf` where one is given.
+/// A repository in which `git diff` is set up as docs/ci.md says; `robot` replaces `arm.urdf`, if given.
 fn with_textconv(robot: Option<&Path>) -> Option<Repository> {
     let repository = Repository::new()?;
     let docs = page("docs/ci.md");
@@ -111,7 +111,7 @@ fn with_textconv(robot: Option<&Path>) -> Option<Repository> {
 }
 
 impl Repository {
-    /// Puts one text in the place of another, which must be there.
+    /// Replaces a text, which must be in the file.
     fn replace(&self, from: &str, to: &str) {
         let text = std::fs::read_to_string(self.path("arm.urdf")).unwrap();
         assert!(text.contains(from), "{from}");
@@ -141,7 +141,7 @@ fn git_diff_shows_every_edit_of_a_robot_with_two_arms() {
         let Some(repository) = with_textconv(Some(&robot)) else {
             return;
         };
-        // The last moving joint of the file: of an arm that is not the default chain, or of a hand.
+        // The last moving joint of the file belongs to an arm outside the default chain, or to a hand.
         let text = std::fs::read_to_string(&robot).unwrap();
         let name = if text.contains("r_elbow_flex_joint") { "r_elbow_flex_joint" } else { "right_e1" };
         let at = text.find(&format!("<joint name=\"{name}\"")).unwrap();
@@ -293,7 +293,7 @@ fn the_plain_hook_stops_a_broken_file() {
     assert!(stopped.output.contains("arm.urdf:1: error D004"), "{}", stopped.output);
 }
 
-/// The action's report, its comment through a `gh` of our own, and the branch that keeps its pictures.
+/// The action's report, its comment through a simulated `gh`, and the branch that keeps its pictures.
 #[test]
 fn the_action_reports_comments_once_and_keeps_pictures() {
     let Some(repository) = Repository::new() else {
@@ -319,7 +319,7 @@ fn the_action_reports_comments_once_and_keeps_pictures() {
     assert!(comment.contains("### Robots: 1 of 1 different") && comment.contains("axis moved by 2 mm"), "{comment}");
     assert!(read("pictures/arm.urdf.svg").starts_with("<svg"), "no picture");
     assert!(read("findings.sarif").contains("\"2.1.0\"") && read("diff.json").contains("denavit.diff.robots/1"));
-    // A `gh` that has no comment at first, and then the one that it was told to post.
+    // A `gh` that has no comment at first, and then the posted one.
     std::fs::create_dir(repository.path("bin")).unwrap();
     let gh = "#!/bin/sh\ncase $* in *--paginate*) cat posted 2>/dev/null || true ;; *POST*) echo 7 > posted; echo POST >> log ;; \
               *comments/7*) echo PATCH >> log ;; esac\n";
@@ -344,7 +344,7 @@ fn the_action_reports_comments_once_and_keeps_pictures() {
     std::fs::remove_dir_all(made).unwrap();
 }
 
-/// `hooks/denavit` takes a release once, and none that was changed on its way.
+/// `hooks/denavit` downloads a release once, and refuses a changed one.
 #[test]
 fn the_hook_installs_the_release_of_its_version() {
     let Some(repository) = Repository::new() else {

@@ -1,8 +1,8 @@
-//! What the documents say of real arms, on an extract of one set that the project may hold.
+//! Checks the documents' statements on real arms with an extract of one set that the project may include.
 
 use super::*;
 
-/// Position error on test rows, mm rms, of each stage, as `examples/measured/ur10/README.md` states it. A hundredth is left for
+/// Position error on test rows, mm rms, of each stage, as in `examples/measured/ur10/README.md`. The tolerance of a hundredth is for
 /// the order of sums.
 const UR10: [(&str, f64); 3] = [("nominal", 1.088), ("geometric", 0.409), ("geometric + curves", 0.133)];
 

@@ -69,7 +69,7 @@ fn the_loop_closes_from_simulation_to_commands() {
     let (value, std) = (found["value"].as_f64().unwrap(), found["std"].as_f64().unwrap());
     let made = truth["effects"]["effects"][0]["coefficients"][0].as_f64().unwrap();
     assert!((value - made).abs() < 4.0 * std, "{value} ± {std}, made as {made}");
-    // Commands for the poses of a plan: where the robot as it is then goes, the drawn one would have gone.
+    // Commands for the poses of a plan: the calibrated robot reaches the poses of the drawn one.
     let (urdf, effects, plan) = (folder.path("as_it_is.urdf"), folder.path("effects.json"), folder.path("plan.csv"));
     denavit(&["plan", &ur5e(), "--count", "8", "--measure", "poses", "-o", &plan]).succeeded();
     let run =
@@ -93,7 +93,7 @@ fn the_loop_closes_from_simulation_to_commands() {
     }
     assert!(reached >= 6, "{reached}");
     assert_eq!(run.code, i32::from(reached < 8));
-    // The code of it computes the same, and finds such commands.
+    // The generated code computes the same, and finds the same commands.
     let code = folder.path("arm.py");
     let with = ["--exact", "--effects", &effects, "--given", "payload=2"];
     denavit(&[&["code", &urdf, "--lang", "python", "-o", &code], &with[..]].concat()).succeeded();
@@ -115,12 +115,12 @@ fn the_loop_closes_from_simulation_to_commands() {
         }
         Err(_) => println!("skipped, because python3 is not installed"),
     }
-    // The kinematics file is the same robot but for the frame at its end, and a source like any other.
+    // The kinematics file is the same robot except for the frame at its end, and can be used as a source.
     let yaml = folder.path("as_it_is.yaml");
     assert!(denavit(&["poe", &yaml]).succeeded().contains("wrist_3_joint"));
     let moved = |robot: &str, extra: &[&str]| {
         let at = |q: &str| tip(&[&[robot], extra, &["--exact", "--q", q]].concat());
-        // Points on the last axis stay where they are, whatever frame ends the chain.
+        // Points on the last axis do not depend on the frame at the end of the chain.
         let (a, b) = (at("0.3,-1,0.8,0.2,0.5,0"), at("0.3,-1,0.8,0.2,0.5,3.141592653589793"));
         a.iter().zip(&b).map(|(a, b)| f64::midpoint(*a, *b)).collect::<Vec<f64>>()
     };
@@ -134,8 +134,8 @@ fn files_of_a_calibration_turn_the_tip_as_it_was_measured() {
     turned_as_measured("0,0", 1e-8);
 }
 
-/// Off its drawing an arm also stands by a milliradian otherwise to gravity than its calibrated frames say, which no pose shows: the fit itself
-/// leaves 0.7 µrad of what the joint gives.
+/// With geometric errors an arm's orientation to gravity differs by a milliradian from that of its calibrated frames, which poses do not
+/// show: the fit itself has an error of 0.7 µrad in the joint's compliance.
 #[test]
 fn files_of_a_calibration_off_its_drawing_turn_the_tip_as_far_as_gravity_is_known() {
     turned_as_measured("1,1", 3e-6);
@@ -169,7 +169,7 @@ fn turned_as_measured(error: &str, within: f64) {
         let m: Vec<f64> = cells[9..13].iter().map(|cell| cell.parse().unwrap()).collect();
         turns.push([turn(p[0], p[1], p[2], p[3]), turn(m[0], m[1], m[2], m[3])]);
     }
-    // The angle between two rows is the same wherever the instrument stands and however the target sits.
+    // The angle between two rows does not depend on the poses of instrument and target.
     for pair in turns.windows(2) {
         let angle = |which: usize| pair[0][which].angle_to(&pair[1][which]);
         assert!((angle(0) - angle(1)).abs() < within, "{:e}", angle(0) - angle(1));
@@ -230,7 +230,7 @@ fn effects_are_used_again_and_ask_for_what_they_follow() {
     );
     let at = |given: &str| tip(&[&ur5e, "--effects", &effects, "--given", given]);
     assert!(apart(&at("temperature=20"), &at("temperature=28")) > 1e-5);
-    // Code is told by an argument what nobody gave.
+    // Code gets missing values by an argument.
     let code = denavit(&["code", &ur5e, "--lang", "c", "--effects", &effects]).succeeded();
     assert!(code.contains("given[0]  temperature (°C)") && code.contains("const double given[1], double pose[3][4]"));
     let fixed =

@@ -1,4 +1,4 @@
-//! Any export: each form of a file beside the same data in our own, equal to the last digit.
+//! Any export: each form of a file gives the same result as the same data in our own form, to the last digit.
 
 use crate::support::{Run, denavit_in, robot};
 use std::path::{Path, PathBuf};
@@ -30,13 +30,13 @@ impl Room {
         denavit_in(self.0.path(), &line.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// The report of a calibration without what names the file and its columns.
+    /// The report of a calibration without the names of the file and its columns.
     fn report(&self, data: &str) -> serde_json::Value {
         let run = self.run(&format!("calibrate arm.urdf --effects none --json --data {data}"));
         let mut json: serde_json::Value = serde_json::from_str(&run.succeeded()).unwrap();
         json.as_object_mut().unwrap().remove("columns");
         json.as_object_mut().unwrap().remove("origin");
-        // The same row stands in another line of another form.
+        // Another form has the same row in another line.
         for row in json["rows"].as_array_mut().unwrap() {
             row.as_object_mut().unwrap().remove("line");
         }
@@ -79,7 +79,7 @@ fn every_form_of_text_is_the_same_data() {
         let unit = |unit: u16| if big { unit.to_be_bytes() } else { unit.to_le_bytes() };
         std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(unit).collect()
     };
-    // A degree sign as cp1252 has it, in a name and a preamble, which is no UTF-8.
+    // A degree sign in cp1252, which is not UTF-8, in a name and a preamble.
     let mut cp1252 = b"Meas\xfcrements of an arm\r\n\r\n".to_vec();
     let capitals: Vec<String> = names.iter().map(|name| format!("{} [?]", name.to_uppercase())).collect();
     let units = |name: &String| match name.as_str() {
@@ -144,7 +144,7 @@ fn a_map_says_what_names_do_not() {
     let room = Room::new();
     let (names, rows) = room.own();
     let own = room.report("own.csv");
-    // Columns of other names and in another order, w first, beside some that are no measurements.
+    // Columns of other names and in another order, w first, with some that are not measurements.
     let other: Vec<String> = names
         .iter()
         .enumerate()
@@ -168,13 +168,13 @@ fn a_map_says_what_names_do_not() {
     let run = room.run("calibrate arm.urdf --effects none --data other.csv --columns map.toml --verbose");
     assert!(run.stderr.contains("left out because the map does not name them: Goal, Part"), "{}", run.stderr);
     assert!(run.stderr.contains("read as qx, qy, qz, qw"), "{}", run.stderr);
-    // On the command line, for a few.
+    // On the command line, for a few columns.
     let renamed: Vec<String> =
         names.iter().map(|name| if name.len() == 1 { format!("P{name}") } else { name.clone() }).collect();
     room.write("few.csv", table(&renamed, &rows, ",", plain));
     let few = "few.csv --columns x=Px,y=Py,z=Pz,qx=qx,qy=qy,qz=qz,qw=qw,temperature=temperature";
     assert_eq!(room.report(few), own);
-    // A draft names every column, and is a map once its gaps are filled.
+    // A draft names every column, and becomes a map when its gaps are filled.
     let draft = room.run("calibrate arm.urdf --data few.csv --columns-draft").succeeded();
     assert!(draft.contains("joints = [\"shoulder_pan_joint\", \"shoulder_lift_joint\""), "{draft}");
     assert!(draft.contains("x = \"Px\"") && draft.contains("#   \"temperature\" = "), "{draft}");
@@ -221,7 +221,7 @@ fn orientations_in_other_forms_are_the_same_poses() {
         let report = room.report(line);
         assert!((figure(&report) - figure(&own)).abs() < 1e-12, "{line}: {} {}", figure(&report), figure(&own));
     }
-    // Told wrongly, the data do not fit the robot; not told at all, the columns are an error.
+    // With a wrong map the data do not fit the robot; without a map the columns are an error.
     for (line, said) in [
         ("fixed.csv --euler XYZ", "use --euler xyz"),
         ("fixed.csv", "columns roll, pitch, yaw"),
@@ -306,7 +306,7 @@ fn joint_values_come_from_robot_programs() {
         rows.iter().map(|row| format!("  movej([{}], a=1.4, v=1.05)\n", list(row, &|x| x.to_string()))).collect();
     room.write("cal.script", format!("def cal():\n{}end\n", script.concat()));
     assert_eq!(room.report("seen.csv --joints cal.script"), room.report("own.csv"));
-    // In degrees the last digit of rad is lost on the way; the reference goes the same way.
+    // Conversion to degrees loses the last digit of rad; the reference is converted in the same way.
     let degrees = |x: f64| x.to_degrees().to_string();
     let back: Vec<Vec<f64>> = rows
         .iter()

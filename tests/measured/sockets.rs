@@ -1,4 +1,4 @@
-//! A ball in sockets: bare files beside one file with labels, and one fit with a tracker.
+//! A ball in sockets: files without labels compared with one file with labels, and one fit with a tracker.
 
 use super::Folder;
 use crate::support::{Run, denavit_in, robot};
@@ -24,13 +24,13 @@ fn as_built() -> denavit_model::Chain {
     denavit_model::urdf::read("built.urdf", &built).unwrap().chain(None, None, Reading::Intended).unwrap().value
 }
 
-/// Numbers between -1 and 1 that look like chance and are the same every time.
+/// Pseudo-random numbers between -1 and 1, the same in every run.
 fn chance(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Readings at which the ball is at this place: those of a pose that holds it there, turned anyhow.
+/// Readings with the ball at this position, in a random orientation.
 fn reaching(arm: &denavit_model::Chain, ball: &Point3<f64>, place: &Vector3<f64>, seed: &mut u64) -> Vec<f64> {
     loop {
         let mut draw = || 2.5 * chance(seed);
@@ -48,8 +48,8 @@ fn line(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// A folder with the arm as drawn, the readings in each socket (`front_0.csv`, …, all of them in `sockets.csv`), and what a tracker
-/// sees of another target (`few.csv`, and `test.csv` to judge by).
+/// A folder with the drawn arm, the readings in each socket (`front_0.csv`, …, all of them in `sockets.csv`), and a tracker's
+/// measurements of another target (`few.csv`, and `test.csv` as test data).
 fn measured() -> Folder {
     let folder = Folder::new();
     std::fs::copy(robot("universal_robots/ur5e.urdf"), folder.path("arm.urdf")).unwrap();
@@ -58,7 +58,7 @@ fn measured() -> Folder {
     for (label, place) in PLACES {
         let mut bare = String::new();
         for _ in 0..25 {
-            // A socket holds the ball to some hundredths of a millimetre.
+            // A socket locates the ball to a few hundredths of a millimetre.
             let seat = Vector3::from(place).map(|value| value + 2e-5 * chance(&mut seed));
             let q = reaching(&arm, &Point3::new(0.06, 0.03, 0.12), &seat, &mut seed);
             let _ = writeln!(bare, "{}", line(&q));
@@ -101,7 +101,7 @@ fn bare_files_are_the_same_as_a_column_of_labels() {
         for part in ["columns", "origin"] {
             report.as_object_mut().unwrap().remove(part);
         }
-        // The same row stands in another line of another file.
+        // Another file has the same row in another line.
         for row in report["rows"].as_array_mut().unwrap() {
             row.as_object_mut().unwrap().remove("line");
         }

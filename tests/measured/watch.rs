@@ -1,4 +1,4 @@
-//! `denavit measure` beside a file that grows.
+//! `denavit measure` with a growing file.
 
 use super::{Folder, ur5e};
 use crate::support::{denavit, denavit_with_input, program};
@@ -38,7 +38,7 @@ fn rows_are_judged_while_the_file_grows() {
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&path).unwrap();
         file.write_all(text.as_bytes()).unwrap();
     };
-    // The file is not there yet; then a header; then rows, one of them in two pieces.
+    // The file does not exist yet; then it has a header; then rows, one of them in two pieces.
     append(&lines[0]);
     append(&lines[1..4].concat());
     for row in 1..4 {
@@ -58,7 +58,7 @@ fn rows_are_judged_while_the_file_grows() {
     let status = next();
     assert_eq!((&status["line"], &status["lines_out_of_line"][0]), (&21.into(), &21.into()), "{status}");
     assert!(status["out_of_line"]["rows"] == 1, "{status}");
-    // Taken back: the file is another, and its rows are taken anew.
+    // Rows removed: the file counts as new, and its rows are read again.
     std::fs::write(&path, lines[..20].concat()).unwrap();
     for row in 1..20 {
         let status = next();

@@ -27,7 +27,7 @@ def test_the_list_of_sdf_is_that_of_sdformat():
     assert listed("sdf") == vocabulary.sdf()
 
 
-# Where an element may stand.
+# An allowed context of each element.
 PLACES = {
     "compiler": "{}",
     "option": "{}",

@@ -1,4 +1,4 @@
-//! Commands and plans in the units that were asked for; an arm that keeps its configuration.
+//! Commands and plans in the requested units; an arm that keeps its configuration.
 
 use super::Trial;
 use crate::golden::snapshot;
@@ -41,7 +41,7 @@ fn units_are_those_of_what_comes_out_too() {
 
 #[test]
 fn commands_keep_the_configuration_or_say_that_it_changes() {
-    // Along a line, and then to where the arm's other side is nearer.
+    // Along a line, and then to a pose where the arm's other configuration is nearer.
     let line: Vec<String> = (0..12u32).map(|k| format!("400,{},500,180,0,0\n", -200 + 40 * i64::from(k))).collect();
     let line = line.concat();
     let trial = Trial::new().with("line.csv", &format!("{POSES}{line}"));
@@ -52,7 +52,7 @@ fn commands_keep_the_configuration_or_say_that_it_changes() {
         let most = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(most < 30.0, "40 mm take {most}° of a joint: {pair:?}");
     }
-    // A shoulder that may not turn far cannot go to the other side but by folding over.
+    // A shoulder with a small range can reach the other side only by folding over.
     let narrow = trial.text("arm.urdf").replacen(
         "lower=\"-6.283185307179586\" upper=\"6.283185307179586\"",
         "lower=\"-1.2\" upper=\"1.2\"",

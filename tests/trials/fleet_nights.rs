@@ -62,7 +62,7 @@ fn a_robot_that_waits_for_a_reference_has_not_passed() {
     assert!(trial.text("night.md").contains("Not tested: 2 robots"), "{}", trial.text("night.md"));
 }
 
-/// The arm's description has masses: that a total is refused shows that it came as far as the fit.
+/// The arm's description has masses: a refused total shows that the run reached the fit.
 #[test]
 fn a_mass_of_the_manifest_reaches_the_fit() {
     let trial = plant(1);

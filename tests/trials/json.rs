@@ -1,11 +1,11 @@
-//! JSON: every output says what it is, `--json [FILE]` means the same everywhere, and docs/json.md shows an example of each.
+//! JSON: every output names its kind, `--json [FILE]` has the same meaning everywhere, and docs/json.md shows an example of each.
 
 use super::Trial;
 use crate::support::top;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// A kind of JSON: what it is for, the commands that make it, and the file it then stands in (none: standard output).
+/// A kind of JSON: its purpose, the commands that make it, and the file that they write (none: standard output).
 struct Kind {
     schema: &'static str,
     purpose: &'static str,
@@ -22,7 +22,7 @@ const SIMULATE: &str = "simulate arm.urdf --rows 60 -o data.csv";
 
 const FLEET: &[&str] = &[SIMULATE, "fleet run plant.csv -o store"];
 
-/// Every kind of JSON that a command makes, but for a history in git, which `tests/oracle/fleet` makes, and the robots of a
+/// Every kind of JSON that a command makes, except a history in git, which `tests/oracle/fleet` makes, and the robots of a
 /// repository (`projects.rs`).
 const KINDS: &[Kind] = &[
     printed("denavit.table/1", "a D-H table, readable as a source", "table arm.urdf --json"),
@@ -182,7 +182,7 @@ fn laid_out(value: &Value, indent: usize, before: usize) -> String {
     format!("{open}\n{margin}{}\n{}{close}", entries.join(&format!(",\n{margin}")), " ".repeat(indent))
 }
 
-/// What a value is made of, whatever its numbers and texts are: keys, and kinds of values.
+/// Structure of a value: its keys and kinds of values, without numbers and texts.
 fn shape(value: &Value) -> Value {
     match value {
         Value::Array(list) => list.first().map(shape).into_iter().collect(),
@@ -267,7 +267,7 @@ fn json_with_a_file_stands_beside_the_text() {
         assert_eq!(trial.text("report.json"), alone.stdout, "{plain}");
         assert_eq!(trial.run(&format!("{plain} --json=-")).stdout, alone.stdout, "{plain}");
     }
-    // A robot behind --json is a robot.
+    // A robot after --json is a robot, not an output.
     let json = trial.run("fk --json arm.urdf").succeeded();
     assert!(json.starts_with('{') && trial.text("arm.urdf").starts_with("<?xml"), "{json}");
     trial.run("table arm.urdf --json one.json").succeeded();

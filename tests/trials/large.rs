@@ -1,4 +1,4 @@
-//! Files far larger than any robot: done in a time that grows with their size, or refused at once with what to do instead.
+//! Files far larger than any robot: processed in a time proportional to their size, or refused at once with an alternative.
 
 use super::Trial;
 use crate::support::program;
@@ -7,10 +7,10 @@ use std::process::{Command, Stdio};
 
 /// Links of the large files.
 const LINKS: usize = 10_000;
-/// Seconds of processor time: a run that needs more grows faster than its input. A busy machine does not count in them.
+/// Limit of processor time, s: the time of a run above it grows faster than its input. Other load does not count.
 const LONGEST: u64 = 120;
 
-/// A robot whose joint `k` hangs on the link that `parent` says.
+/// A robot whose joint `k` has the parent link `parent(k)`.
 fn robot(joints: usize, moving: usize, parent: impl Fn(usize) -> usize) -> String {
     let mut text = String::from("<robot name=\"large\"><link name=\"l0\"/>\n");
     for k in 0..joints {
@@ -30,7 +30,7 @@ fn robot(joints: usize, moving: usize, parent: impl Fn(usize) -> usize) -> Strin
 }
 
 impl Trial {
-    /// Exit code and messages of a run that must end within this many seconds of processor time; else the kernel ends it.
+    /// Exit code and messages of a run; the kernel ends it after this many seconds of processor time.
     fn in_time(&self, line: &str, longest: u64) -> (i32, String) {
         let messages = self.path("messages");
         let plain = program(self.folder());

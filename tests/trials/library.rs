@@ -1,4 +1,4 @@
-//! What a user of the libraries can ask for panics nowhere.
+//! No call by a user of the libraries panics.
 
 use crate::support::robot;
 use denavit_calibrate::calibration::{CalibrateError, CalibrateOptions, calibrate};

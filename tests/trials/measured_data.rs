@@ -1,4 +1,4 @@
-//! Files of measurements: what is wrong with them is said, what is certain is gone on with, and nothing is counted twice.
+//! Files of measurements: errors are reported, unambiguous data are used, and nothing is counted twice.
 
 use super::Trial;
 use crate::support::{Run, robot, top};
@@ -29,7 +29,7 @@ fn joined(names: &[String], rows: &[Vec<String>]) -> String {
     lines.map(|line| line + "\n").collect()
 }
 
-/// The folder of measured sets; where it is not beside this clone, that the test is skipped is printed.
+/// The folder of measured sets; if it is not beside this clone, prints that the test is skipped.
 fn measured_by_others() -> Option<PathBuf> {
     let folder = top().join("../shared/measured");
     if folder.is_dir() {
@@ -48,7 +48,7 @@ fn report(trial: &Trial, line: &str) -> Value {
     serde_json::from_str(&trial.run(&format!("calibrate arm.urdf --effects none --json {line}")).succeeded()).unwrap()
 }
 
-/// What became of data in a few words: refused and why, or used and how.
+/// What happened to the data, in a few words: refused and why, or used and how.
 fn treated(run: &Run) -> String {
     if run.code != 0 {
         return format!("refused: {}", run.stderr.lines().last().unwrap_or(""));
@@ -77,7 +77,7 @@ fn exact_copies_count_once() {
     }
     let said = trial.run("calibrate arm.urdf --data twice.csv --effects none").succeeded();
     assert!(said.contains("40 rows are exact copies of earlier ones and counted once, lines: 42, 43"), "{said}");
-    // Fitted rows among those that are to judge.
+    // Fitted rows among the test rows.
     let more = simulated(&trial, "--rows 70 --seed 3");
     let (_, more) = cells(&more);
     let test = joined(&names, &[&rows[..5], &more[45..]].concat());
@@ -256,7 +256,7 @@ fn whatever_is_not_known_is_carried_or_reported_in_every_position() {
         (run.code, format!("{}{}", run.stdout, run.stderr))
     };
     for column in 0..=names.len() {
-        // A column that nobody knows, of numbers and of texts.
+        // Unknown columns of numbers and of texts.
         for value in ["7.25", "blau"] {
             let with = |row: &Vec<String>, cell: &str| {
                 let mut row = row.clone();
@@ -270,7 +270,7 @@ fn whatever_is_not_known_is_carried_or_reported_in_every_position() {
         if column == names.len() {
             continue;
         }
-        // A cell that means nothing, a unit that nobody knows, a name that is misspelt.
+        // A meaningless cell, an unknown unit, a misspelt name.
         let mut odd = rows.clone();
         odd[3][column] = "zorp".into();
         let (code, said) = used(&joined(&names, &odd));
@@ -316,7 +316,7 @@ fn an_instrument_that_was_placed_anew_before_the_test_is_named() {
     assert_eq!(found["placed_anew"]["moved"][0]["what"], "instrument");
 }
 
-/// A lifting column that tilts in its guide, with accelerometers on it: the tilt is named, and what is left at other postures is a
+/// A lifting column that tilts in its guide, with accelerometers on it: the tilt is named, and the error at other postures falls to a
 /// quarter.
 #[test]
 fn the_recorded_tilt_of_a_real_lifting_column_is_named() {

@@ -1,4 +1,4 @@
-//! What real use broke once, a sentence each: files lost, options read as files, numbers that mean nothing.
+//! Errors found in real use, a sentence each: lost files, options read as files, meaningless numbers.
 
 mod checks;
 mod code;
@@ -71,12 +71,12 @@ impl Trial {
         names
     }
 
-    /// A command line, its words apart by spaces.
+    /// Runs a command line with words separated by spaces.
     fn run(&self, line: &str) -> Run {
         support::denavit_in(self.folder(), &line.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// A command line that must be refused: exit code 2, this said, no file changed or made.
+    /// Runs a command line that must be refused: exit code 2, this message, no file changed or made.
     fn refuses(&self, line: &str, said: &str) {
         let before = self.content();
         let run = self.run(line);

@@ -1,4 +1,4 @@
-//! Numbers that mean nothing are refused; numbers that may not be meant are mentioned.
+//! Meaningless numbers are refused; suspicious numbers are reported.
 
 use super::Trial;
 use std::collections::BTreeSet;

@@ -222,7 +222,7 @@ fn an_interrupted_run_leaves_nothing_behind() {
 
 #[test]
 fn what_cannot_be_made_is_refused_before_the_work() {
-    // The data are not even there: nothing is read before the outputs are known to be possible.
+    // The data do not exist: outputs are checked before anything is read.
     let trial = Trial::new();
     let calibrate = "calibrate arm.urdf --data missing.csv";
     for freedom in ["--scales all", "--pitches elbow_joint"] {

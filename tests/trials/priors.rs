@@ -1,9 +1,9 @@
-//! Priors that cannot be.
+//! Impossible priors.
 
 use super::Trial;
 use serde_json::{Value, json};
 
-/// A UR5e, a run of it and what a calibration knows of it.
+/// A UR5e, a run of it and the result of a calibration.
 fn calibrated() -> (Trial, Value) {
     let trial = Trial::new();
     trial.run("simulate arm.urdf --rows 60 -o data.csv").succeeded();

@@ -1,4 +1,4 @@
-//! What the program says of itself: completions and manual pages.
+//! The program's own documentation: completions and manual pages.
 
 use super::Trial;
 use crate::support::top;

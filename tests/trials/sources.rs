@@ -93,7 +93,7 @@ fn arguments_of_xacro_are_for_xacro() {
     ] {
         trial.refuses(line, "takes");
     }
-    // Of use to one of them is enough.
+    // It is enough if one of them uses it.
     let both = trial.run("diff arm.urdf bent.xacro length:=1.5");
     assert_eq!(both.code, 1, "{}", both.stderr);
     assert!(trial.run("check arm.urdf bent.xacro length:=1.5").code < 2);

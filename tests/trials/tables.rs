@@ -1,12 +1,12 @@
-//! Tables, makers' files and other sources of numbers: each is understood or refused, and nothing in them is passed over
-//! without a word.
+//! Tables, makers' files and other sources of numbers: each is understood or refused, and nothing in them is ignored
+//! without a message.
 
 use super::Trial;
 use crate::support::denavit_with_input;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// The tip's place at joint values, m, and what was said.
+/// The tip's position at joint values, m, and the messages.
 fn tip(trial: &Trial, line: &str) -> ([f64; 3], String) {
     let run = trial.run(&format!("{line} --json"));
     let said = run.stderr.clone();
@@ -293,7 +293,7 @@ fn a_controllers_calibration_is_read_with_its_model() {
     let row = &json["rows"][1];
     let number = |key: &str| row[key].as_f64().unwrap();
     assert_eq!([number("theta"), number("d"), number("a")], [0.01, 0.1625 + 0.001, 0.0001]);
-    // The factory's figures of single arms, beside the joint origins that were computed from them elsewhere.
+    // The factory's figures of individual arms, and the joint origins computed from them elsewhere.
     let Some(vendor) = crate::support::vendor() else { return };
     let deltas = std::fs::read_to_string(vendor.join("ur_calibration/factory_deltas.csv")).unwrap();
     for (robot, model, yaml) in

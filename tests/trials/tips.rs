@@ -28,7 +28,7 @@ fn both_hands_are_one_fit_and_one_robot() {
         // The URDF moves each hand as its own table does.
         trial.run(&format!("fk fit.urdf --tip {tip} --q 0.1,0.2,0.3,0.4,0.5,0.6,0.7")).succeeded();
     }
-    // One tip of the result goes on by itself.
+    // One tip of the result can be used alone.
     trial.run("identify fit.urdf --tip left_hand").succeeded();
     let again = format!("calibrate baxter.urdf {BOTH} --data both.csv --prior fit.json --effects none");
     trial.run(&again).succeeded();

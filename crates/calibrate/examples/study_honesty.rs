@@ -1,4 +1,4 @@
-//! How often a cause is named where none acts, or where twenty tiny ones do: noise as real files have it.
+//! How often a cause is named if none acts, or if twenty tiny ones act, with noise like that of real files.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_honesty -- FILES [ROWS ...]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
@@ -16,23 +16,23 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
 
-/// Standard deviation with which a joint comes back to its reading, rad.
+/// Standard deviation of a joint's repeatability, rad.
 const REPEATABILITY: f64 = 3e-5;
-/// A reading is given to this, rad.
+/// Resolution of a reading, rad.
 const ROUNDED: f64 = 2e-5;
-/// Instrument: along its beam and across it, m.
+/// Noise of the instrument along its beam and across it, m.
 const ALONG: f64 = 1e-5;
 const ACROSS: f64 = 3e-5;
 /// Correlation of the instrument's error from row to row, and its size, m.
 const CORRELATED: f64 = 0.8;
 const SLOW: f64 = 1.5e-5;
 
-/// What acts beside noise.
+/// Effects besides noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum World {
     /// Nothing.
     Clean,
-    /// Twenty tiny harmonics, each a fifth of what a joint repeats to.
+    /// Twenty tiny harmonics, each a fifth of a joint's repeatability.
     Field,
 }
 
@@ -40,7 +40,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// Positions of one target measured on a robot that is off by its tolerances.
+/// Positions of one target measured on a robot with errors of the size of its tolerances.
 pub fn file(chain: &Chain, world: World, rows: usize, seed: u64) -> Measurements {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let statics = Statics::of_chain(chain);

@@ -1,4 +1,4 @@
-//! Noise as real files have it names nothing: a small slice of the study.
+//! Noise like that of real files: no cause is named. A small part of the study.
 
 #[path = "../examples/study_honesty.rs"]
 #[allow(dead_code, reason = "the study has a main of its own")]

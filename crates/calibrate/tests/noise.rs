@@ -107,7 +107,7 @@ fn what_noise_is_made_of_is_found_within_its_interval() {
 
 #[test]
 fn a_probe_that_turns_about_a_point_of_its_own_is_found_with_its_lever() {
-    for name in ["poses of a probe that turns about a point 0.5 m off", "the same, joints alike"] {
+    for name in ["poses of a probe that turns about a point 0.5 m away", "the same, joints alike"] {
         let world = world(name);
         let mut off = 0.0;
         for seed in 0..5 {

@@ -1,4 +1,4 @@
-// Times pinocchio's C++ on the serial chain that standard input gives; one JSON line for each thing timed.
+// Times pinocchio's C++ on the serial chain from standard input; one JSON line for each thing timed.
 //
 //     pinocchio_kinematics NAME < chain
 //
@@ -78,7 +78,7 @@ int main(int, char ** arguments)
     pinocchio::computeFrameJacobian(model, data, q, tip, pinocchio::LOCAL_WORLD_ALIGNED, columns);
     sink = columns(0, 0);
   });
-  // For whoever checks: the tip at the last configuration.
+  // For checks: the tip at the last configuration.
   pinocchio::forwardKinematics(model, data, configurations.back());
   const auto at = pinocchio::updateFramePlacement(model, data, tip).translation();
   std::fprintf(stderr, "%.15g %.15g %.15g\n", at[0], at[1], at[2]);

@@ -1,4 +1,4 @@
-"""Four arms written as URDF from published figures: nominal, and as a workshop would have built them.
+"""Four arms written as URDF from published figures: nominal, and with manufacturing errors.
 
 Lengths m, angles rad, masses kg. A joint is (name, type, xyz, rpy, axis, (lower, upper)); a link is (mass, centre of
 mass in its own frame). Sources: Universal Robots' table of D-H parameters and masses for the UR5e; KUKA's drawing and
@@ -25,7 +25,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Arm:
-    """Joints from base to tip; `links[i]` = (mass, centre of mass) of what joint i carries; tip on the last link."""
+    """Joints from base to tip; `links[i]` = (mass, centre of mass) of the link after joint i; the tip is on the last link."""
 
     name: str
     joints: tuple
@@ -105,7 +105,7 @@ def perturbed(arm, rng, angle, length):
 
 
 def to_urdf(arm, inertials=True):
-    """URDF text; every number at full precision, inertia of a solid ball that is a tenth of a metre across."""
+    """URDF text; every number at full precision, inertia of a solid ball with a diameter of a tenth of a metre."""
     def numbers(values):
         return " ".join(repr(float(v) + 0.0) for v in values)
     lines = ['<?xml version="1.0"?>', f'<robot name="{arm.name}">', '  <link name="base"/>']

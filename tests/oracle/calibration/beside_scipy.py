@@ -1,8 +1,8 @@
-"""denavit calibrate beside scipy.optimize.least_squares on the same file: python beside_scipy.py DENAVIT [--rows N] [--times K]
+"""denavit calibrate compared with scipy.optimize.least_squares on the same file: python beside_scipy.py DENAVIT [--rows N] [--times K]
 
 10 000 full poses of the 6R arm made by pinocchio (`runs.py`), 0.05 mm and 0.05 mrad noise. Each program is timed as a
-whole process, best of K by wall clock and by processor time (a busy machine spares the second): start, reading the
-files, fit, errors on the test file. Fails when the answers differ.
+whole process, best of K by wall clock and by processor time (less affected by other load): start, reading the
+files, fit, errors on the test file. Fails if the results differ.
 """
 
 import argparse
@@ -25,7 +25,7 @@ ARM = "six_axis"
 
 
 def axes():
-    """Screw axes of the arm as drawn, at home."""
+    """Screw axes of the drawn arm, at home."""
     body = Body(ARMS[ARM])
     pin.forwardKinematics(body.model, body.data, np.zeros(body.n))
     frames = [body.data.oMi[i + 1] for i in range(body.n)]
@@ -34,7 +34,7 @@ def axes():
 
 
 def timed(command, times):
-    """Seconds by the wall and by the processor, each the least of `times`; what the last run printed."""
+    """Wall clock and processor time, s, each the smallest of `times` runs; output of the last run."""
     wall = processor = np.inf
     for _ in range(times):
         before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()

@@ -1,7 +1,7 @@
 """A flexible arm at rest: pinocchio's gravity and forward kinematics, effects that move joints, frames and instrument.
 
 An effect is a function of (Moment, Give) that adds to the Give; elastic effects read the gravity load of the last
-iterate, and the state is repeated until it stands still (static equilibrium).
+iterate, and the state is iterated until it converges (static equilibrium).
 """
 
 from dataclasses import dataclass, field
@@ -11,12 +11,12 @@ import pinocchio as pin
 
 from arms import to_urdf
 
-STILL = 1e-12  # rad or m: the change of one iterate at which the arm is taken to stand still
+STILL = 1e-12  # rad or m: tolerance of convergence, the change in one iterate
 
 
 @dataclass
 class Moment:
-    """What holds while one row is measured."""
+    """The conditions while one row is measured."""
 
     row: int
     q: np.ndarray
@@ -35,7 +35,7 @@ class Moment:
 
 @dataclass
 class Give:
-    """What the effects do to a row: joint values, frames before and after each joint, base, target, instrument."""
+    """Changes by the effects in a row: joint values, frames before and after each joint, base, target, instrument."""
 
     joint: np.ndarray
     before: list
@@ -49,7 +49,7 @@ class Give:
 
 
 class Body:
-    """A pinocchio model of an arm that gives."""
+    """A pinocchio model of a flexible arm."""
 
     def __init__(self, arm):
         self.arm = arm
@@ -64,7 +64,7 @@ class Body:
         self.revolute = [joint.kind == "revolute" for joint in arm.joints]
 
     def _rest(self, moment, give):
-        """Places the arm with the given give, and stores loads and poses in `moment`."""
+        """Places the arm with these changes, and stores loads and poses in `moment`."""
         model, data = self.model, self.data
         for i in range(1, self.n + 1):
             before = give.before[i - 1]
@@ -91,7 +91,7 @@ class Body:
         moment.tip = data.oMi[self.n] * tip
 
     def settle(self, moment, effects):
-        """Repeats effects and loads until the arm stands still; returns the Give."""
+        """Iterates effects and loads to convergence; returns the Give."""
         give = self.nothing()
         self._rest(moment, give)
         last = moment.tip.translation + 0

@@ -1,7 +1,7 @@
-"""The hidden effects, by their physics. Each maker draws a place and a shape and returns a Hidden.
+"""The hidden effects, by their physics. Each function draws a place and a shape and returns a Hidden.
 
-`act(size)` gives the function that acts on a row; size 1 is a plain first guess, and the generator scales it until the
-displacement has the strength that was asked for. `kind` and `places` are the truth that a tracer is judged by.
+`act(size)` gives the function that acts on a row; size 1 is a first guess, and the generator scales it until the
+displacement has the requested strength. `kind` and `places` are the truth for evaluating a tracer.
 """
 
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ def transmission_error(rng, arm, motor=False):
 
 
 def _loaded(rng, arm):
-    """A joint that gravity loads, and its largest torque, N m."""
+    """A joint under gravity load, and its largest torque, N m."""
     body = Body(arm)
     lower, upper = (np.array([joint.limits[k] for joint in arm.joints]) for k in (0, 1))
     torques = np.array([pin.computeGeneralizedGravity(body.model, body.data, rng.uniform(lower, upper)) for _ in range(200)])
@@ -102,13 +102,13 @@ def backlash(rng, arm, side=None):
     i = _pick(rng, arm, ("revolute", "prismatic"))
     side = side or str(rng.choice(["approach", "row order", "gravity"]))
     if side == "gravity":
-        # Joints that stand upright are not pushed by gravity.
+        # Gravity does not load joints with vertical axes.
         i = int(rng.choice([2, 3] if arm.name == "rail_six_axis" else [1, 2, 3])) if arm.name != "scara" else i
         if arm.name == "scara":
             side = "approach"
     def act(size):
         def on(body, moment, give):
-            # Play: the output lags behind the reading on the side that it came from, or hangs on the lower flank.
+            # Play: the output lags behind the reading on the side of approach, or rests on the lower flank.
             sign = -np.sign(moment.gravity[i]) if side == "gravity" else -moment.approach[i]
             give.joint[i] += 1e-4 * size * sign
         return on
@@ -137,7 +137,7 @@ def axis_wobble(rng, arm):
         bow = rng.random() < 0.5
         def act(size):
             def on(body, moment, give):
-                # Rail straightness: it turns about the two directions across its travel, or bows sideways.
+                # Rail straightness: it turns about the two directions across its travel, or bends sideways.
                 first, second = _across(body.axes[0])
                 wave = np.sin(2 * np.pi * waves * (moment.q[0] - lower) / (upper - lower) + phase)
                 across = wave * (weights[0] * first + weights[1] * second)
@@ -172,7 +172,7 @@ def local_joint_error(rng, arm):
 
 
 def link_compliance(rng, arm):
-    """Link i bends as a round cantilever from axis i to axis i+1, or joint i's bearing tilts; torsion as a tube's."""
+    """Link i bends like a round cantilever from axis i to axis i+1, or joint i's bearing tilts; torsion like that of a tube."""
     n = len(arm.joints)
     if arm.name == "scara":
         i = int(rng.choice([0, 1]))
@@ -185,11 +185,11 @@ def link_compliance(rng, arm):
             if bearing:
                 _, torque = moment.carried[i]
                 axis = body.axes[i]
-                # pinocchio gives the moment that holds the body: the load is its opposite.
+                # pinocchio gives the moment that supports the body: the load is its opposite.
                 load = -(torque - axis * (axis @ torque))
                 give.after[i] = _turn(1e-5 * size * load) * give.after[i]
                 return
-            # End load of link i in its own frame: what joint i+1 carries.
+            # End load of link i in its own frame: the load on joint i+1.
             link_from_next = moment.placements[i].actInv(moment.placements[i + 1])
             force, torque = moment.carried[i + 1]
             force, torque = -(link_from_next.rotation @ force), -(link_from_next.rotation @ torque)
@@ -209,7 +209,7 @@ def link_compliance(rng, arm):
 
 
 def _overturning(moment):
-    """The level part of the load's moment on the base about its origin, N m."""
+    """The horizontal part of the load's moment on the base about its origin, N m."""
     first = moment.placements[0]
     force, torque = moment.carried[0]
     force, torque = first.rotation @ force, first.rotation @ torque
@@ -311,7 +311,7 @@ def two_joint_term(rng, arm):
 
 
 def joint_step(rng, arm):
-    """Alien: a joint slips by a tooth's worth at some row; no time column tells."""
+    """Alien: a joint slips by one tooth at some row; there is no time column."""
     i = _pick(rng, arm)
     at = rng.uniform(0.25, 0.75)
     def act(size):
@@ -323,7 +323,7 @@ def joint_step(rng, arm):
 
 
 def cable_drag(rng, arm):
-    """Alien: a cable from a hook beside the arm pulls at the tip, stiffer as it is drawn out; soft joints give way."""
+    """Alien: a cable from a hook beside the arm pulls at the tip, stiffer when stretched; compliant joints yield."""
     hook = np.array([rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), 1.2])
     slack = 0.5
     def act(size):

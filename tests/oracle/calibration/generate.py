@@ -1,9 +1,9 @@
 """Blind calibration data: python generate.py OUT --arm six_axis --seed 1 --effects joint_compliance --strength 5
 
-Writes OUT/nominal.urdf, OUT/train.csv, OUT/test.csv (the contract of `measurements.csv`) and OUT/truth.json, which no tool
-may read. The arm is built with joint origins off by 1 mrad and 1 mm; effects act by their physics (`effects.py`), elastic
+Writes OUT/nominal.urdf, OUT/train.csv, OUT/test.csv (in the format of `measurements.csv`) and OUT/truth.json, which no tool
+may read. The built arm has errors of 1 mrad and 1 mm in its joint origins; effects act by their physics (`effects.py`), elastic
 ones in static equilibrium. Strength: RMS over the train rows of the effect's displacement of the measured quantities, in
-units of their noise, after the best change of geometry, instrument frame and target has been taken from it (projection on
+units of their noise, after subtracting the best change of geometry, instrument frame and target (projection on
 the linearised geometry).
 """
 
@@ -20,11 +20,11 @@ from body import Body, Moment
 from effects import ALIENS, KINDS
 from harder import HARDER
 
-SWALLOWED = 0.03  # an effect of which geometry leaves less than this share cannot be seen, and is drawn again
+SWALLOWED = 0.03  # an effect is drawn again if geometry leaves less than this fraction of it unexplained
 
 
 def moments(arm, count, rng, span):
-    """Random poses at random rest times, in run order; the approach side is the side that the row before lies on."""
+    """Random poses at random rest times, in run order; the approach side is the side of the row before."""
     n = len(arm.joints)
     lower, upper = (np.array([joint.limits[k] for joint in arm.joints]) for k in (0, 1))
     q = rng.uniform(lower, upper, (count, n))
@@ -48,7 +48,7 @@ class Session:
         self.body = Body(self.built)
         self.body.span = 60.0 * (options.count + options.test)
         self.instrument_from_base = pin.SE3(pin.exp3(rng.normal(0, 0.6, 3)), rng.uniform(-1, 1, 3) * [2, 2, 0.5])
-        # Most instruments stand level with the floor; the base then tilts by little.
+        # Most instruments are level with the floor; the base is then tilted only slightly.
         if options.level:
             self.instrument_from_base = pin.SE3(pin.exp3(np.array([0, 0, rng.uniform(-3, 3)])), rng.uniform(-2, 2, 3))
         self.targets = rng.uniform(-0.1, 0.1, (options.targets, 3)) + [0, 0, 0.08]
@@ -90,7 +90,7 @@ class Session:
                                for x, y in zip(a, b)])
 
     def geometry_columns(self, placements):
-        """What geometry, frames and targets can do, linearised, in units of the noise: an orthonormal basis."""
+        """Displacements by geometry, frames and targets, linearised, in units of the noise: an orthonormal basis."""
         o = self.options
         rows = []
         for frames, tip in placements:
@@ -183,7 +183,7 @@ def make(out, options):
     in_test = np.zeros(options.count + options.test, bool)
     in_test[rng.choice(options.count + options.test, options.test, replace=False)] = True
     if "backlash" in options.effects:
-        # The approach side may have to be read from each file: train and test are two runs.
+        # The approach side may have to be derived from each file: train and test are two runs.
         in_test = np.arange(options.count + options.test) >= options.count
 
     clean = basis = None
@@ -206,7 +206,7 @@ def make(out, options):
             if tries > 40:
                 raise SystemExit(f"{options.effects} on {options.arm}: geometry swallows it; choose another kind or arm")
             continue
-        # A reading that counts from elsewhere does so by a whole turn for a turn, whatever the noise.
+        # A reading relative to another link changes by a whole turn for a turn, whatever the noise.
         for _ in range(0 if effect.shape.get("whole") else 2):
             size *= target / visible
             visible, total = session.strength(train, [effect.act(size)], clean, basis)

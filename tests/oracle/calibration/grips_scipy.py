@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Grips of a tool by two hands: `denavit calibrate` beside scipy's plain least squares on the same rows. Prints a table.
+"""Grips of a tool by two hands: `denavit calibrate` compared with scipy's plain least squares on the same rows. Prints a table.
 
     python3 tests/oracle/calibration/grips_scipy.py DENAVIT [--rows 40] [--seeds 6]
 
-Each seed draws a robot near crates/calibrate/tests/two_arms.urdf, grips to fit and grips to judge by (`denavit simulate`).
-Judged is where the right hand has the tool in the left hand's frame, root mean squares over the later grips, their scatter in it.
-Plain: four numbers for each axis and the tool, nothing else; with tolerances: each of these numbers expected within 1 mrad and
-1 mm. Size: the median distance of neighbouring axes over the drawn one; grips measure no length.
+Each seed draws a robot near crates/calibrate/tests/two_arms.urdf, grips to fit and grips to test (`denavit simulate`).
+Errors are those of the right hand's tool in the left hand's frame, root mean squares over the test grips, including their scatter.
+Plain: four numbers for each axis and the tool, nothing else; with tolerances: priors of 1 mrad and 1 mm on these numbers.
+Size: the median distance of neighbouring axes relative to the drawn one; grips measure no length.
 """
 
 import argparse
@@ -69,7 +69,7 @@ class Arms:
 
 
 def differences(turns, places, grip):
-    """Where the right hand has the tool, in the tool as the left hand has it: (rows, 6). The tool's frame is the left hand's."""
+    """The tool in the right hand relative to the tool in the left hand: (rows, 6). The tool's frame is the left hand's."""
     return np.concatenate([turns @ grip[:3, 3] + places, logs(turns @ grip[:3, :3])], axis=1)
 
 
@@ -80,7 +80,7 @@ def matrix(numbers, start):
 
 
 def held(turns, places):
-    """The right hand's tool that is on average the left hand's: its rotation, and the six numbers of `matrix` beside that."""
+    """The right hand's tool that equals the left hand's on average: its rotation, and the six numbers of `matrix` relative to it."""
     u, _, vt = np.linalg.svd(turns.sum(axis=0).T)
     place = -np.einsum("nji,nj->ni", turns, places).mean(axis=0)
     return u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt, np.concatenate([np.zeros(3), place])
@@ -101,7 +101,7 @@ def of_scipy(arms, q, tolerance):
 
 
 def judged(arms, axes, train, test):
-    """Root mean squares over `test`, mm and mrad; the tool is the one that `train` shows with these axes."""
+    """Root mean squares over `test`, mm and mrad; the tool is fitted to `train` with these axes."""
     turns, places = arms.right_in_left(*axes, train)
     start, tool = held(turns, places)
     found = least_squares(lambda x: differences(turns, places, matrix(x, start)).ravel(), tool)
@@ -116,7 +116,7 @@ def readings(path, names):
 
 
 def compared(denavit, rows, seeds):
-    """For each model what is judged of each seed: place, mm; orientation, mrad; size over the drawn one."""
+    """For each model the results of each seed: position, mm; orientation, mrad; size relative to the drawn one."""
     drawn = Arms(ROBOT)
     tips = [word for hand in HANDS for word in ("--tip", hand)]
     found = {}

@@ -1,7 +1,7 @@
-"""Hidden effects as real machines have them, harder than the plain ones of `effects.py`, under the same names.
+"""Hidden effects like those of real machines, harder than the simple ones of `effects.py`, under the same names.
 
-Each maker draws a place and a shape and returns a Hidden, as there. `kind` and `places` are the truth: a base that is
-softer one way is still a base that gives.
+Each function draws a place and a shape and returns a Hidden, as there. `kind` and `places` are the truth: a base that is
+softer in one direction is still a compliant base.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from effects import Hidden, _loaded, _overturning, _pick, _turn
 
 
 def softer_base(rng, arm):
-    """A base on a frame: much softer about one level line than about the other, and coupled."""
+    """A base on a frame: much softer about one horizontal line than about the other, and coupled."""
     line = rng.uniform(0, np.pi)
     stiff = rng.uniform(0.05, 0.3)
     soft = np.array([np.cos(line), np.sin(line), 0.0])
@@ -25,7 +25,7 @@ def softer_base(rng, arm):
 
 
 def hardening(rng, arm):
-    """A gear that stiffens with its load, as harmonic drives do (three straight pieces in makers' data; a root here)."""
+    """A gear that stiffens with its load, like harmonic drives (three straight pieces in makers' data; a root here)."""
     i, largest = _loaded(rng, arm)
     bend = rng.uniform(0.2, 0.6)
     def act(size):
@@ -37,7 +37,7 @@ def hardening(rng, arm):
 
 
 def balancer(rng, arm):
-    """A joint that gives under gravity's torque, half of which a spring between its two links takes up."""
+    """A joint that is compliant under gravity's torque; a spring between its two links carries half of the torque."""
     i, largest = _loaded(rng, arm)
     share, rest = rng.uniform(0.3, 0.8), rng.uniform(-np.pi, np.pi)
     def act(size):
@@ -60,12 +60,12 @@ def _orders(rng, arm, orders):
 
 
 def high_order(rng, arm):
-    """A gear whose order is no whole number and between 5 and 40."""
+    """A gear with a non-integer order between 5 and 40."""
     return _orders(rng, arm, [round(rng.uniform(5.2, 39.8), 2)])
 
 
 def two_orders(rng, arm):
-    """An eccentric wheel and one behind a gear stage that is no whole number."""
+    """An eccentric wheel and one behind a gear stage with a non-integer ratio."""
     return _orders(rng, arm, [float(rng.choice([1, 2])), round(rng.uniform(2.3, 8.8), 2)])
 
 
@@ -75,8 +75,8 @@ def three_orders(rng, arm):
 
 
 def counted_from_ground(rng, arm):
-    """A parallel linkage: the reading of the elbow is its angle against the ground, not against the upper arm."""
-    # The two joints with level, parallel axes.
+    """A parallel linkage: the reading of the elbow is its angle relative to the ground, not to the upper arm."""
+    # The two joints with horizontal, parallel axes.
     i = {"six_axis": 2, "rail_six_axis": 3}.get(arm.name, 3)
     j = i - 1 if arm.name != "seven_axis" else 1
     sign = float(rng.choice([-1, 1]))
@@ -88,7 +88,7 @@ def counted_from_ground(rng, arm):
 
 
 def friction_play(rng, arm):
-    """Play whose side gravity decides where it is stronger than friction, and the way of coming elsewhere."""
+    """Play with the side decided by gravity if it exceeds friction, otherwise by the direction of approach."""
     i, largest = _loaded(rng, arm)
     friction = rng.uniform(0.2, 0.6) * largest
     def act(size):
@@ -99,7 +99,7 @@ def friction_play(rng, arm):
 
 
 def tiny_harmonics(rng, arm):
-    """Twenty harmonics of any joint, none of which matters: the ground that another effect stands on."""
+    """Twenty negligible harmonics of any joint: the background of another effect."""
     turning = [i for i, joint in enumerate(arm.joints) if joint.kind == "revolute"]
     waves = [(int(rng.choice(turning)), float(rng.uniform(1, 20)), rng.uniform(0, 2 * np.pi), rng.normal()) for _ in range(20)]
     def act(size):

@@ -1,7 +1,7 @@
 """Variances of several sources of noise by a dense restricted likelihood: the oracle of crates/identify/src/noise/reml.rs.
 
 `noise.py --out FILE` writes a few problems as JSON, each with the variances at which scipy finds the likelihood largest, and the ends
-of the profile's 95 % intervals. Nothing is clever here: V is one dense matrix of all values, its inverse and determinants are numpy's, and
+of the profile's 95 % intervals. The computation is simple on purpose: V is one dense matrix of all values, its inverse and determinants are numpy's, and
 scipy's BFGS maximises over the logarithms of the variances.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 
 ROWS = 60
-# What the deviance rises by at the ends of a 95 % interval: chi-squared with one degree of freedom.
+# Rise of the deviance at the ends of a 95 % interval: chi-squared with one degree of freedom.
 RISE = 3.841458820694124
 
 
@@ -23,7 +23,7 @@ def rotation(rng):
 
 
 def problem(seed, pose):
-    """Rows of a tracker that sees a target on an arm of four joints: place, or place and orientation."""
+    """Rows of a tracker that sees a target on an arm of four joints: position, or position and orientation."""
     rng = np.random.default_rng(seed)
     height = 6 if pose else 3
     columns = 12
@@ -85,7 +85,7 @@ class Dense:
         return value, slope
 
     def likeliest(self, start, held=None):
-        """Variances and deviance; `held`: the index and the value of one that stays."""
+        """Variances and deviance; `held`: index and value of a fixed variance."""
         free = [k for k in range(len(start)) if held is None or k != held[0]]
 
         def full(z):

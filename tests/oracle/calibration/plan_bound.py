@@ -1,7 +1,7 @@
 """How good are the poses that `denavit plan` chooses? python plan_bound.py DENAVIT
 
-For each arm, 1000 candidates; the gain in O1 over the mean of 50 random choices of as many poses: by the plan, by an
-exchange algorithm of our own in numpy (best of four random starts), and the bound that no choice can pass, that of a design
+For each arm, 1000 candidates; the gain in O1 over the mean of 50 random choices of the same number of poses: by the plan, by an
+exchange algorithm in numpy (best of four random starts), and the upper bound for every choice, that of a design
 with weights instead of whole poses (Kiefer and Wolfowitz 1960, by Titterington's multiplicative steps). Derivatives are
 pinocchio's (`runs.py`).
 """
@@ -24,7 +24,7 @@ SPOT, ANCHOR = np.array([0.1, 0.0, 0.1]), np.array([0.8, 0.7, 0.1])
 
 
 def rows_of(arm, measure, rng):
-    """Candidates, and their derivatives by as many numbers as they can tell: (candidates, values, numbers)."""
+    """Candidates, and their derivatives by the identifiable numbers: (candidates, values, numbers)."""
     stand = Stand(Case(arm, measure, 1, CANDIDATES), 1)
     stand.body, stand.tools, stand.anchor = Body(ARMS[arm]), [pin.SE3(np.eye(3), SPOT)], ANCHOR
     lower, upper = (np.array([joint.limits[k] for joint in ARMS[arm].joints]) for k in (0, 1))
@@ -44,13 +44,13 @@ def information(rows, weights=None):
 
 
 def exchanged(rows, chosen):
-    """Each pose in turn against the best other one, until none helps."""
+    """Exchanges each pose in turn for the best other one, until no exchange helps."""
     chosen, matrix = list(chosen), information(rows[chosen])
     for _ in range(30):
         changed = False
         for place, out in enumerate(list(chosen)):
             without = matrix - rows[out].T @ rows[out]
-            # A trace of everything keeps a set that is one pose short invertible.
+            # A small multiple of the trace keeps the matrix without one pose invertible.
             held = np.linalg.inv(without + 1e-9 * np.trace(matrix) * np.eye(len(matrix)))
             gain = np.linalg.slogdet(rows @ held @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1]))[1]
             gain[[index for index in chosen if index != out]] = -np.inf
@@ -67,7 +67,7 @@ def bound(rows, count):
     for _ in range(400):
         inverse = np.linalg.inv(information(rows, weights))
         weights *= np.einsum("nhi,ij,nhj->n", rows, inverse, rows) / rows.shape[2]
-    # What the dual says of these weights, so that it is a bound though the steps have not ended.
+    # The dual value at these weights: a bound even before the steps converge.
     inverse = np.linalg.inv(information(rows, weights))
     most = np.einsum("nhi,ij,nhj->n", rows, inverse, rows).max() / rows.shape[2]
     return log_det(information(rows, weights) * count) + rows.shape[2] * np.log(most)

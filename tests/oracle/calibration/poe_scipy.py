@@ -1,7 +1,7 @@
-"""Calibration as a user with numpy and scipy writes it: python poe_scipy.py AXES.json TRAIN.csv TEST.csv lm|trf|2-point
+"""Calibration as written by a user of numpy and scipy: python poe_scipy.py AXES.json TRAIN.csv TEST.csv lm|trf|2-point
 
 A product of exponentials, vectorised over the rows, with its Jacobian in closed form (or by differences: 2-point). Four
-numbers per axis, six for the tool; the instrument is found first, on a hundred rows, and then left to the axes. Prints
+numbers per axis, six for the tool; the instrument is estimated first, from a hundred rows, and then fixed: the axes absorb its error. Prints
 JSON: errors and times. AXES.json: "axes" (direction and a point of each, base frame) and "home" (4x4).
 """
 
@@ -44,7 +44,7 @@ def from_quaternions(q):
 
 
 class Model:
-    """Axes and home as drawn; `turned`, the tool's rotation that its three numbers are small turns of."""
+    """Axes and home of the drawn robot; `turned`: the tool's rotation, to which its three numbers add small turns."""
 
     turned = np.eye(3)
 
@@ -65,7 +65,7 @@ class Model:
             yield w / np.linalg.norm(w), c + a * t[2] + b * t[3]
 
     def forward(self, x, q):
-        """Base from tip, and each axis now: direction and point before the joint's motion and after it."""
+        """base_from_tip, and each axis at these values: direction and point before the joint's motion and after it."""
         turn, place, seen = np.broadcast_to(np.eye(3), (len(q), 3, 3)), np.zeros((len(q), 3)), []
         for i, (w, c) in enumerate(self.axes(x)):
             before = turn
@@ -91,7 +91,7 @@ class Model:
         columns = []
         for (a, b), (before, after, point) in zip(self.across, seen):
             arm = place - point
-            for e in (b, -a):  # what turns the axis towards a and towards b
+            for e in (b, -a):  # turns the axis towards a and towards b
                 w = before @ e - after @ e
                 columns.append(np.concatenate([np.cross(w, arm), w], axis=1))
             for e in (a, b):
@@ -112,7 +112,7 @@ def kabsch(a, b):
 
 
 def placed(model, q, places, turns):
-    """Instrument (rotation, place) and tool by turns, on the nominal robot: each is a closed form given the other."""
+    """Instrument (rotation, position) and tool in turn, on the nominal robot: each has a closed form given the other."""
     x = np.zeros(4 * model.n + 6)
     for _ in range(40):
         turn, place, moved, _ = model.forward(x, q)

@@ -3,19 +3,19 @@
 slice  few runs of many kinds, for the tests
 study  many runs of each line of the table in docs/calibration.md
 
-pinocchio places the joints; their placements in the URDF are what is perturbed. A line holds
+pinocchio places the joints; their placements in the URDF are perturbed. A line holds
 
-    case, arm, measure, targets, rows, noise_m, noise_rad, seed     what was drawn
-    nominal, built      URDF text as drawn and as built, base link "base", tip link "tip"
+    case, arm, measure, targets, rows, noise_m, noise_rad, seed     the drawn case
+    nominal, built      URDF text of the drawn and of the built robot, base link "base", tip link "tip"
     train               measurements as CSV text, with noise, rounding and outliers
     test                unseen poses as CSV text, without any of them
     instrument, tool    instrument_from_base and tip_from_target of each target, 12 numbers of a 3x4 matrix by rows
     anchor              base frame, m
     outliers            rows of `train`, counted from 0
-    rounding_m          rms of what rounding the readings does to the value in the train rows (3-D norm), m
-    rank                numbers that the train rows can tell, from pinocchio's frames
-    attainable_m        rms of one component over the test rows that no unbiased fit to the train rows can beat, noise of
-                        the test rows left out (Cramer-Rao); null where nothing is noisy
+    rounding_m          rms error of the value in the train rows from rounding the readings (3-D norm), m
+    rank                number of identifiable numbers from the train rows, from pinocchio's frames
+    attainable_m        smallest rms of one component over the test rows of any unbiased fit to the train rows, without noise of
+                        the test rows (Cramer-Rao); null without noise
 """
 
 import argparse
@@ -25,7 +25,7 @@ import sys
 import zlib
 from dataclasses import asdict, dataclass, replace
 
-# Small matrices: more threads only get in each other's way. Read when numpy loads.
+# Small matrices: more threads only slow each other down. Read when numpy loads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
@@ -40,7 +40,7 @@ DEGREE = np.pi / 180
 
 @dataclass(frozen=True)
 class Case:
-    """What to draw: `noise` m and rad, `geometry` m and rad, `grid` step of turning joints' readings in degrees."""
+    """A case to draw: `noise` m and rad, `geometry` m and rad, `grid` step of turning joints' readings in degrees."""
 
     arm: str
     measure: str
@@ -54,7 +54,7 @@ class Case:
     test: int = 200
 
     def random(self, seed, what):
-        """Runs with and without outliers, rounding or noise are alike in all else."""
+        """A generator for each purpose: runs with and without outliers, rounding or noise are equal in everything else."""
         kind = f"{self.arm} {self.measure} {self.targets} {self.rows}"
         return np.random.default_rng([seed, what, zlib.crc32(kind.encode())])
 
@@ -67,7 +67,7 @@ class Case:
 
 
 class Stand:
-    """A robot as built before its instrument."""
+    """A built robot in front of its instrument."""
 
     def __init__(self, case, seed):
         rng = case.random(seed, 1)
@@ -81,7 +81,7 @@ class Stand:
         self.anchor = np.array([*rng.uniform(-1.2, 1.2, 2), rng.uniform(0.0, 0.5)])
 
     def place(self, q):
-        """Joint frames (rows, joints) and the tip (rows): rotations and places."""
+        """Joint frames (rows, joints) and the tip (rows): rotations and positions."""
         model, data, n = self.body.model, self.body.data, self.body.n
         turns, places = np.empty((len(q), n, 3, 3)), np.empty((len(q), n, 3))
         for row, values in enumerate(q):
@@ -104,8 +104,8 @@ class Stand:
     def columns(self, placed):
         """Derivatives of the values by small motions of the base, of every joint's placement and of the targets.
 
-        Redundant on purpose: their span is what any change of the geometry can do. (rows, numbers per row, columns); of
-        poses the turn follows the place; base frame.
+        Redundant on purpose: they span the effects of all changes of the geometry. (rows, numbers per row, columns); for
+        poses the rotation follows the position; base frame.
         """
         turns, places, tip_turn, tip_place = placed
         rows, joints = places.shape[:2]
@@ -136,7 +136,7 @@ class Stand:
 
 
 def told(columns):
-    """Rank, scale of the columns, and singular values and directions that the rows tell."""
+    """Rank, scale of the columns, and singular values and directions that the rows determine."""
     flat = columns.reshape(-1, columns.shape[2])
     size = np.linalg.norm(flat, axis=0).clip(1e-12)
     _, s, vt = np.linalg.svd(flat / size, full_matrices=False)
@@ -145,7 +145,7 @@ def told(columns):
 
 
 def attainable(case, train, test):
-    """Cramer-Rao: rms of one component of place (or distance) over the test rows."""
+    """Cramer-Rao: rms of one component of position (or distance) over the test rows."""
     rank, size, s, vt = told(train / case.noise)
     spread = (test[:, :3] if case.measure == "pose" else test).reshape(-1, test.shape[2]) / size @ (vt / s[:, None]).T
     return float(np.sqrt((spread**2).sum(axis=1).mean())), rank
@@ -174,7 +174,7 @@ def csv(names, case, q, positions, orientations):
 
 
 def noisy(case, rng, positions, orientations):
-    """With noise; `outliers` of the rows 5 to 50 mm off: listed too."""
+    """Adds noise; `outliers` of the rows get errors of 5 to 50 mm and are returned."""
     positions = positions + rng.normal(0, case.noise, positions.shape)
     if orientations is not None:
         orientations = np.array([pin.exp3(turn) @ r for turn, r in zip(rng.normal(0, case.noise, (len(positions), 3)), orientations)])

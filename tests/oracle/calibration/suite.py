@@ -3,10 +3,10 @@
 singles  every kind on every arm that can show it, at strengths 1, 2, 5, 20 times the noise
 pairs    two and three kinds at once, strength 5
 nulls    no effect, every covariate in the file
-aliens   what no entry of the catalogue describes, strength 5
-distances    kinds that one distance to each pose can show, 400 rows, strengths 2 and 5
-harder   effects as real machines have them (harder.py), strengths 5 and 20; not among all
-motors   transmission errors of the motor side, the gear ratio given, at strengths 1, 2, 5, 20
+aliens   effects that no entry of the catalogue describes, strength 5
+distances    kinds that are visible in one distance to each pose, 400 rows, strengths 2 and 5
+harder   effects like those of real machines (harder.py), strengths 5 and 20; not part of all
+motors   transmission errors of the motor side with the gear ratio, at strengths 1, 2, 5, 20
 """
 
 import argparse
@@ -26,11 +26,11 @@ HARDER = {
     "high_order": "high_order", "two_orders": "two_orders", "three_orders": "three_orders", "counted_from_ground": "counted_from_ground",
     "friction_play": "friction_play", "scale_in_field": "joint_scale+tiny_harmonics:strength=1.5",
 }
-# Nothing of a SCARA's weight loads its joints.
+# A SCARA's weight does not load its joints.
 NOT_LOADED = ("softer_base", "two_joints_give", "hardening", "balancer", "counted_from_ground", "friction_play")
 BY_DISTANCE = ("joint_scale", "transmission_error", "joint_compliance", "backlash", "local_joint_error", "thermal", "latency")
-# On a SCARA the weight never changes the tilt of an axis that stands upright, and only the payload moves the quill; a
-# scale of the instrument shows on slides alone, and is then the slide's own scale.
+# On a SCARA the weight never changes the tilt of a vertical axis, and only the payload moves the quill; a
+# scale of the instrument is visible only on slides, and is then the slide's own scale.
 CANNOT_SHOW = {("scara", "joint_compliance"), ("scara", "base_compliance"), ("six_axis", "instrument_scale"),
                ("seven_axis", "instrument_scale"), ("scara", "instrument_scale"), ("rail_six_axis", "instrument_scale")}
 

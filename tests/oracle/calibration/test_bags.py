@@ -1,4 +1,4 @@
-"""Bags that `rosbags` writes, against the same data as CSV."""
+"""Bags written by `rosbags`, compared with the same data as CSV."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ UR5E = built.WORKSPACE / "robots/universal_robots/ur5e.urdf"
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
 STAND, MOVE = 1.2, 1.0
-# Instrument's clock less robot's, s: they were started on different days.
+# Instrument's clock minus robot's, s: they were started on different days.
 AHEAD = 86_412.5371
 START = 1_700_000_000.0
 
@@ -46,7 +46,7 @@ def header(stamp, frame):
 
 
 def between(rows, at, rate, tremble, rng):
-    """Values at times since the start: standing at each row, moving smoothly in between."""
+    """Values at times since the start: standstill at each row, smooth motion in between."""
     whole = STAND + MOVE
     times = np.arange(0, whole * len(rows) - MOVE, 1 / rate) + at
     index = np.minimum((times // whole).astype(int), len(rows) - 1)
@@ -76,7 +76,7 @@ def message(kind, stamp, values):
 
 
 def write(folder, measured, kind, plugin, mode=CompressionMode.NONE, tremble=0.0, topics=("/tracker/ball",), stale=False):
-    """A bag; the target's messages come 30 ms late, and in another clock than the joints'."""
+    """Writes a bag; the target's messages are 30 ms late, and use another clock than the joints'."""
     names, joints, poses = measured
     rng = np.random.default_rng(3)
     joint_times, joint_values = between(joints, 0.0, 100, 1e-5 if tremble else 0.0, rng)
@@ -85,7 +85,7 @@ def write(folder, measured, kind, plugin, mode=CompressionMode.NONE, tremble=0.0
         values = np.repeat(values[:1], len(values), axis=0) + rng.normal(0, 1e-5, values.shape)
     all_messages = []
     for time, value in zip(joint_times, joint_values, strict=True):
-        # The joints in another order than the robot has them, with a gripper's among them.
+        # The joints in another order than in the robot, with a gripper's among them.
         state = TYPES["sensor_msgs/msg/JointState"](
             header=header(START + time, ""), name=[*reversed(names), "finger"],
             position=np.r_[value[::-1], 0.01], velocity=np.zeros(0), effort=np.zeros(0),
@@ -113,7 +113,7 @@ def stages(*arguments):
 
 
 def is_the_same(one, other):
-    """Whether two parts of reports say the same, as close as a last digit in which what they were made of differs lets them."""
+    """Whether two parts of reports are equal, within the effect of a difference in the last digit of their inputs."""
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(is_the_same(one[key], other[key]) for key in one)
     if isinstance(one, list):
@@ -133,7 +133,7 @@ def test_a_bag_is_the_same_as_its_rows(tmp_path, measured, kind, plugin):
     report, told = stages("--data", bag, *chosen)
     names, joints, poses = measured
     columns = 3 if kind == "PointStamped" else 7
-    # What a quaternion of a message is, is of length 1 to the last digit, which is rounded as the processor has it.
+    # The quaternion of a message has length 1 up to the last digit, whose rounding depends on the processor.
     poses = poses.copy()
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
     file = tmp_path / "rows.csv"

@@ -1,6 +1,6 @@
-"""A slice of the blind suite: files made by `generate.py`, given to `denavit calibrate` with its defaults, judged by the truth.
+"""A slice of the blind suite: files made by `generate.py`, given to `denavit calibrate` with its defaults, compared with the truth.
 
-The whole of it: suite.py makes the cases, `cargo run --release -p denavit-calibrate --example study_tracing` judges them.
+The whole suite: suite.py makes the cases, `cargo run --release -p denavit-calibrate --example study_tracing` evaluates them.
 """
 
 import json
@@ -63,7 +63,7 @@ def place(claim):
 
 
 def claims(report):
-    """What is named, and what stays in the model although another cause may act in its stead."""
+    """The named effects, and those in the model with possible alternatives."""
     return report["effects"] + report.get("one_of", [])
 
 

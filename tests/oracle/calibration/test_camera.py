@@ -1,4 +1,4 @@
-"""Pixels against OpenCV: every distortion model, hand-eye, and the lines of docs/camera.md that detect a board."""
+"""Pixels compared with OpenCV: every distortion model, hand-eye, and the lines of docs/camera.md that detect a board."""
 
 import csv
 import json
@@ -74,7 +74,7 @@ def pose(told):
 
 
 def tips(rows):
-    """base_from_tip of each row, by another reader."""
+    """base_from_tip of each row, by an independent reader."""
     tree = kinematics.Tree(PANDA)
     joints = [name for name in rows[0] if name in tree.by_name]
     return [tree.pose("panda_link0", "panda_link8", {name: float(row[name]) for name in joints}) for row in rows]
@@ -135,7 +135,7 @@ def test_hand_eye_is_that_of_opencv(tmp_path, on_hand, noise, allowed):
     away = {name: kinematics.distance(found, real) for name, found in {"denavit": ours, "OpenCV": theirs}.items()}
     print(away)
     assert max(away["denavit"]) < allowed and max(away["OpenCV"]) < 4 * allowed
-    # The image says no more than its noise.
+    # The image is accurate only to its noise.
     rms = report["stages"][-1]["train"]["reprojection_rms_px"]
     assert rms < 1e-6 if noise == 0 else 0.26 < rms < 0.29
 
@@ -147,7 +147,7 @@ def test_the_lines_of_the_docs_detect_a_board(tmp_path, monkeypatch):
     camera_file(tmp_path, "none", finer=2)
     board = cv2.aruco.CharucoBoard((7, 5), 0.030, 0.022, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
     drawn = board.generateImage((1400, 1000), marginSize=0, borderBits=1)
-    # Metres on the board of the middle of a pixel of its picture.
+    # Position on the board, m, of the middle of a pixel of the board's picture.
     size = 0.030 / 200
     metres = np.array([[size, 0, size / 2], [0, size, size / 2], [0, 0, 1]])
     joints = [name for name in rows[0] if name.startswith("panda_joint")]
@@ -156,7 +156,7 @@ def test_the_lines_of_the_docs_detect_a_board(tmp_path, monkeypatch):
         writer.writerow(["image", *joints])
         for index, (row, view) in enumerate(zip(rows, views, strict=True)):
             homography = MATRIX @ view[:3, [0, 1, 3]] @ metres
-            # Four times as fine, then averaged, as a sensor does.
+            # Four times as fine, then averaged, like a sensor.
             fine = np.array([[4, 0, 1.5], [0, 4, 1.5], [0, 0, 1]])
             image = cv2.warpPerspective(drawn, fine @ homography, (2560, 1920), flags=cv2.INTER_AREA, borderValue=200)
             cv2.imwrite(str(tmp_path / f"{index}.png"), cv2.resize(image, (1280, 960), interpolation=cv2.INTER_AREA))

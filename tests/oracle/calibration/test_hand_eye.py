@@ -1,4 +1,4 @@
-"""Hand-eye calibration beside OpenCV's methods, on the same simulated rows."""
+"""Hand-eye calibration compared with OpenCV's methods on the same simulated rows."""
 
 import json
 import subprocess
@@ -55,12 +55,12 @@ def parts(matrices):
 
 
 def peers(robot, seen, on_hand):
-    """tip_from_instrument where it is on the hand, else base_from_instrument, by each of OpenCV's methods."""
+    """tip_from_instrument if it is on the hand, else base_from_instrument, by each of OpenCV's methods."""
     moved = robot if on_hand else [np.linalg.inv(m) for m in robot]
     for name, method in HAND_EYE.items():
         rotation, place = cv2.calibrateHandEye(*parts(moved), *parts(seen), method=method)
         yield name, rotation, place.ravel()
-    # world2cam is what is seen, base2gripper the inverse of what calibrateHandEye takes.
+    # world2cam is the observation, base2gripper the inverse of the input of calibrateHandEye.
     inverse = [np.linalg.inv(m) for m in moved]
     for name, method in ROBOT_WORLD.items():
         _, _, rotation, place = cv2.calibrateRobotWorldHandEye(*parts(seen), *parts(inverse), method=method)

@@ -1,4 +1,4 @@
-"""Several tips of one robot: where the calibrated URDF has both hands, by yourdfpy, against what was measured of them."""
+"""Several tips of one robot: the poses of both hands in the calibrated URDF, by yourdfpy, compared with the measurements."""
 
 import csv
 import json
@@ -75,5 +75,5 @@ def test_the_calibrated_urdf_has_both_hands_where_they_were_measured(tmp_path, c
     for entry in report["tips"]:
         rms = float(np.sqrt(np.mean(np.square(off[entry["tip"]]))))
         assert rms == pytest.approx(entry["test"]["position_rms_m"], rel=1e-6)
-        # Noise of 0.05 mm in each of three components, and what the fit adds; 1 mm and 1 mrad were drawn.
+        # Noise of 0.05 mm in each of three components, and the fit's error; the drawn errors were 1 mm and 1 mrad.
         assert rms < 1.6e-4

@@ -1,4 +1,4 @@
-"""Zeros of joints beside a plain least squares of scipy, on the same simulated rows."""
+"""Zeros of joints compared with plain least squares by scipy on the same simulated rows."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ from kinematics import Tree
 ROBOT = built.WORKSPACE / "robots/universal_robots/ur5e.urdf"
 BASE, TIP = "base", "tool0"
 JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]
-# What instrument and target hide is 0, so that both fits mean the same.
+# Zeros that instrument and target absorb are 0, so that both fits estimate the same numbers.
 ZEROS = np.array([0.0, -0.08, 0.105, -0.03, 0.06, 0.0])
 NOISE = 3e-4
 
@@ -57,14 +57,14 @@ def test_zeros_are_those_of_a_plain_least_squares(tmp_path, seed):
     found = {entry["joint"]: entry for entry in json.loads(run.stdout)["parameters"]}
     for index, joint in enumerate(JOINTS[1:5]):
         assert found[joint]["parameter"] == f"{joint}.zero"
-        # The prior of 0.1 rad is all that differs.
+        # Only the prior of 0.1 rad differs.
         assert abs(found[joint]["change"] - plain.x[index]) < 0.05 * spread[index]
         assert found[joint]["std"] == pytest.approx(spread[index], rel=0.02)
     rows = list(csv.DictReader(offsets.open()))
     assert [row["joint"] for row in rows] == JOINTS[1:5]
     assert all(float(row["zero"]) == found[row["joint"]]["change"] for row in rows)
 
-    # The URDF that was written stands where the drawn one stands with the zeros added.
+    # The written URDF has the pose of the drawn one with the zeros added.
     zeros = np.r_[0, [found[joint]["change"] for joint in JOINTS[1:5]], 0]
     written = tips(Tree(urdf), readings)
     assert np.abs(written - tips(tree, readings + zeros)).max() < 1e-11

@@ -1,4 +1,4 @@
-"""Corpora: files that are one mechanism, near-duplicates, and what each commit of a history did."""
+"""Corpora: files that are one mechanism, near-duplicates, and the change by each commit of a history."""
 
 import json
 import subprocess

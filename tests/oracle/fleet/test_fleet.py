@@ -1,4 +1,4 @@
-"""A fleet's store, read by DuckDB: what `calibrate` says of each robot, once, however often the run was killed."""
+"""A fleet's store, read by DuckDB: the result of `calibrate` for each robot, once, however often the run was killed."""
 
 import json
 import random
@@ -31,7 +31,7 @@ def denavit(*words, codes=(0,)):
 
 
 def rows(store, table):
-    """Every row of a table but for the computing time; none where it has no file."""
+    """Every row of a table without the computing time; none if it has no file."""
     if not list((store / table).glob("*.parquet")):
         return []
     columns = "* exclude (seconds)" if table == "runs" else "*"
@@ -44,7 +44,7 @@ def everything(store):
 
 @pytest.fixture(scope="module")
 def plant(tmp_path_factory):
-    """A folder with the measurements of forty robots and a manifest; one robot's file is not there."""
+    """A folder with the measurements of forty robots and a manifest; one robot's file is missing."""
     folder = tmp_path_factory.mktemp("plant")
     lines = ["serial,robot,data,date,event"]
     for serial in range(4):
@@ -93,7 +93,7 @@ def test_a_bad_robot_is_a_row_with_its_error(uninterrupted):
 
 
 def test_finished_work_is_not_done_again_and_threads_change_no_bit(plant, uninterrupted):
-    # What failed is tried again, on a copy of the store that the other tests look at.
+    # Failures are tried again, on a copy of the store that the other tests read.
     shutil.copytree(uninterrupted, plant / "again")
     again = denavit("fleet", "run", plant / "plant.csv", "--set", "effects=none", "-o", plant / "again", codes=(1,))
     assert "1 done now, 40 done before, 1 failed" in again
@@ -122,7 +122,7 @@ def test_killed_at_any_moment_nothing_is_lost_and_nothing_twice(plant, uninterru
     kills, finished = 0, set()
     for _ in range(40):
         running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        # A few robots later, however fast this machine is; now and then before the first.
+        # After a few robots, however fast this machine is; sometimes before the first.
         enough = len(list(store.glob("runs/*.parquet"))) + random.randint(0, 6)
         while running.poll() is None and len(list(store.glob("runs/*.parquet"))) < enough:
             time.sleep(0.001)
@@ -132,7 +132,7 @@ def test_killed_at_any_moment_nothing_is_lost_and_nothing_twice(plant, uninterru
         running.send_signal(signal.SIGKILL)
         running.wait()
         kills += 1
-        # A merge that is killed halfway is ended by the next run; until then a reader misses rows.
+        # The next run completes a merge that was killed; until then a reader misses rows.
         if store.exists() and not (store / ".merge.json").exists():
             now = {row[0] for row in rows(store, "runs")}
             assert finished <= now, "a run that was finished is gone"
@@ -145,7 +145,7 @@ def test_killed_at_any_moment_nothing_is_lost_and_nothing_twice(plant, uninterru
 
 
 def test_a_merge_that_was_begun_is_ended(plant, uninterrupted, tmp_path):
-    """The journal is written, the old files are half removed, the new one has not its name yet."""
+    """The journal is written, some of the old files are removed, and the new one does not have its name yet."""
     store = tmp_path / "store"
     shutil.copytree(uninterrupted, store)
     (merged,) = (store / "runs").glob("rows-*.parquet")
@@ -260,13 +260,13 @@ WRITTEN = {
     "version 2": ("*", ", parquet_version v2"),
     "as pandas keeps them": ("* replace ({})", ", compression uncompressed"),
 }
-# Days as moments, and whole numbers as floating point where some are missing; small integers elsewhere.
+# Dates as timestamps, integers as floating point if some are missing; otherwise small integers.
 OF_PANDAS = {"date": "date::timestamp", "rows_fitted": "rows_fitted::double", "line": "line::integer"}
 
 
 @pytest.mark.parametrize("how", WRITTEN)
 def test_a_store_that_duckdb_wrote_anew_is_the_same_store(uninterrupted, tmp_path, how):
-    """All files of a table in one, in whatever form: every command says the same of it, and finds the work done."""
+    """All files of a table in one, in any form: every command gives the same result, and finds the work done."""
     store = tmp_path / "store"
     columns, options = WRITTEN[how]
     encodings = set()

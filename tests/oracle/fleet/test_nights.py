@@ -1,4 +1,4 @@
-"""Nights of a plant whose truth is known: the watch rings for the robot that drifts, and for no other; histories say when."""
+"""Nights of a plant whose truth is known: the watch raises an alarm for the robot that drifts, and for no other; histories say when."""
 
 import csv
 import json
@@ -31,7 +31,7 @@ def denavit(*words, codes=(0,)):
 @pytest.fixture(scope="module")
 def plant(tmp_path_factory):
     """SN-3's elbow encoder slips by 0.2 mrad a night; SN-5's gear is exchanged at night 10, with an event
-    on record; SN-7 is hit at night 12, and nobody wrote it down."""
+    on record; SN-7 is hit at night 12, without a record."""
     folder = tmp_path_factory.mktemp("nights")
     random.seed(7)
     lines = ["serial,robot,data,date,event"]
@@ -61,7 +61,7 @@ def test_the_watch_rings_for_those_that_changed(plant):
     assert said["schema"] == "denavit.fleet.watch/1"
     assert said["night"] == str(FIRST + timedelta(NIGHTS - 1))
     assert {alarm["serial"] for alarm in said["alarms"]} == {"SN-3", "SN-7"}
-    # SN-5 has an event on record: its reference begins anew, and it waits for enough nights.
+    # SN-5 has an event on record: its reference starts again, and it waits for enough nights.
     assert (said["watched"], said["waiting"]) == (ROBOTS - 1, 1)
     assert 0 < said["false_alarms_expected"] < 0.01
     suite = xml.parse(junit).getroot().find("testsuite")
@@ -97,7 +97,7 @@ def test_siblings_share_the_spread_that_they_were_made_with(plant):
     said = json.loads(denavit("fleet", "siblings", plant / "store", "--json", codes=(0, 1)))
     assert {entry["robots"] for entry in said["shared"]} <= set(range(6, ROBOTS + 1)) and said["shared"]
     turns = [entry["spread"] for entry in said["shared"] if entry["parameter"].endswith("turn_x")]
-    # Arms were drawn with 1 mrad a joint; an axis inherits the turns of those before it.
+    # The arms have errors of 1 mrad per joint; an axis inherits the rotations of those before it.
     assert turns and all(3e-4 < spread < 6e-3 for spread in turns), turns
 
 

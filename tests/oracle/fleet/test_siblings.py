@@ -1,4 +1,4 @@
-"""What robots share as the prior of one more: by the command line and by a manifest, to the same bit, and only where it fits."""
+"""The common part of robots as the prior of another: by the command line and by a manifest, bit for bit equal, and only if it fits."""
 
 import csv
 import json
@@ -34,16 +34,16 @@ def denavit(*words, codes=(0,)):
 
 
 def errors(random, metres, radians):
-    """Of each of six links: a small motion."""
+    """A small motion of each of six links."""
     return [kinematics.exp_twist(np.r_[random.normal(0, radians, 3), random.normal(0, metres, 3)]) for _ in range(6)]
 
 
-# What the castings of a series share: as large as the drawing's tolerances.
+# The common errors of a series' castings: as large as the drawing's tolerances.
 SERIES = errors(np.random.default_rng(2026), 1e-3, 1e-3)
 
 
 def robot(serial, knocked=0.0):
-    """A robot of the series: each link a little off by itself, zeros set by hand."""
+    """A robot of the series: each link with its own small error, zeros set by hand."""
     random = np.random.default_rng(serial)
     own, zeros = errors(random, 1e-4, 1e-4), random.normal(0, 5e-4, 6)
     zeros[2] += knocked
@@ -53,7 +53,7 @@ def robot(serial, knocked=0.0):
 
 
 def measure(path, robot, poses, seed):
-    """Positions with 0.05 mm noise; numpy's own forward kinematics of the URDF's numbers."""
+    """Positions with 0.05 mm noise; forward kinematics in numpy from the URDF's numbers."""
     links, zeros, instrument, target = robot
     random = np.random.default_rng(seed)
     with open(path, "w", newline="") as file:
@@ -70,7 +70,7 @@ def measure(path, robot, poses, seed):
 
 @pytest.fixture(scope="module")
 def plant(tmp_path_factory):
-    """Eight robots at forty poses; three more at eight, the last with an elbow that is off by 50 mrad."""
+    """Eight robots at forty poses; three more at eight, the last with an elbow error of 50 mrad."""
     folder = tmp_path_factory.mktemp("siblings")
     lines = ["serial,robot,data,test,date,prior,effects"]
     for serial in range(SIBLINGS):
@@ -96,7 +96,7 @@ def everything(store):
 
 def test_threads_and_order_of_work_change_no_bit_and_nothing_is_done_twice(plant):
     assert "0 done now, 11 done before" in denavit("fleet", "run", plant / "plant.csv", "-o", plant / "store")
-    # The last first, and the new ones begun before their siblings are there.
+    # The last first, and the new ones started before their siblings exist.
     lines = (plant / "plant.csv").read_text().splitlines()
     (plant / "turned.csv").write_text("\n".join([lines[0], *reversed(lines[1:])]) + "\n")
     denavit("fleet", "run", plant / "turned.csv", "--threads", 1, "-o", plant / "one")
@@ -138,7 +138,7 @@ def test_eight_poses_are_worth_more_with_siblings_and_a_robot_unlike_them_is_not
 
 
 def test_information_is_what_the_rows_say_without_the_prior(plant):
-    """Inverse covariance of the fit less that of the prior: numpy puts the report's own numbers together."""
+    """Inverse covariance of the fit minus that of the prior, computed in numpy from the report's numbers."""
     report = json.loads(denavit("calibrate", ROBOT, "--data", plant / "0.csv", "--effects", "none", "--json"))
     names = [p["parameter"] for p in report["parameters"]]
     rows = duckdb.sql(
@@ -160,7 +160,7 @@ def test_information_is_what_the_rows_say_without_the_prior(plant):
     scaled = told * 1e-6
     eigenvalues = np.linalg.eigvalsh(scaled)
     assert abs(eigenvalues[:6]).max() < 1e-6 * eigenvalues[-1] and eigenvalues[6] > 1e-3
-    # Forty rows tell far more than the prior: the rows' best values are those of the fit, to a share of its deviations.
+    # Forty rows contain much more information than the prior: their best values are those of the fit, to a fraction of its deviations.
     best = np.linalg.pinv(scaled, rcond=1e-8) @ (pull * 1e-3) * 1e-3
     assert (abs(best - change) < 0.5 * std).all(), (best - change) / std
     spread = np.linalg.pinv(scaled, rcond=1e-8) * 1e-6
@@ -204,14 +204,14 @@ HANDS = ("left_hand", "right_hand")
 
 
 def test_each_arm_of_a_robot_has_siblings_of_its_own(tmp_path):
-    """Four robots measured at both hands; a fifth goes on from the left arms with its left, from the right with its right."""
+    """Four robots measured at both hands; a fifth uses the left arms as prior for its left, and the right arms for its right."""
     lines = ["serial,robot,tip,data,date,prior,effects"]
     for robot in range(5):
         for side, hand in enumerate(HANDS):
             data, few = tmp_path / f"{robot}-{hand}.csv", robot == 4
             how = ["--tip", hand, "--rows", 12 if few else 40, "--seed", 10 * robot + side]
             denavit("simulate", BAXTER, *how, "-o", data)
-            # The hands in turn are measured first, so that neither is always the last.
+            # The hands alternate in being measured first, so that neither is always the last.
             day = 1 + (robot + side) % 2
             lines.append(f"B-{robot},{BAXTER},{hand},{data.name},2026-11-0{day},{'siblings' if few else ''},none")
     (tmp_path / "plant.csv").write_text("\n".join(lines) + "\n")

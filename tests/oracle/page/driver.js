@@ -1,4 +1,4 @@
-// Moves the sliders of a page as a hand would, and returns what the page then says and shows.
+// Moves the sliders of a page like a user, and returns what the page then says and shows.
 async (wanted) => {
   const names = ["x", "y", "z", "roll", "pitch", "yaw"];
   const picker = document.getElementById("chain");
@@ -14,7 +14,7 @@ async (wanted) => {
     return Object.fromEntries(names.map((name) => [name, Number(document.getElementById(`tip-${name}`).dataset.value)]));
   });
 
-  // Words of a figure that lie on each other or stick out of it.
+  // Words of a figure that overlap or extend beyond it.
   const words = (svg) => {
     const view = svg.viewBox.baseVal;
     const boxes = [...svg.querySelectorAll("text")].map((text) => [text.textContent, text.getBBox()]);

@@ -335,7 +335,7 @@ def test_a_twist_moved_by_hand_changes_what_section_v_of_the_paper_says(explorer
     assert {words.split()[-1] for words in changed} == {"2", "3", "4"}
     assert {words for words in changed if words.endswith(" 4")} <= {"θ of 4", "d of 4"}
     shot(page, "twist-desktop-light")
-    # The axis moved by the matrix exponential of numpy's friends, and its table by the command line.
+    # The axis moved by scipy's matrix exponential, and its table from the command line.
     axes = json.loads(cli("poe", UR5E, "--json"))
     joint = axes["joints"][2]
     twist, frame = np.array(joint["twist"]), np.array(page.evaluate("(source) => window.denavit.app.engine.ask('twist', source).then((it) => it.frame)", asked_twist(by))).reshape(4, 4).T

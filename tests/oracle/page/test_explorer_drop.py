@@ -1,5 +1,5 @@
-"""Files and folders that a hand drags onto the explorer: real drags of the browser, onto the page opened from disk, from a server
-and in a notebook's frame; and which dropped file a robot's mesh is."""
+"""Files and folders dragged onto the explorer: real drags in the browser, onto the page opened from disk, from a server
+and in a notebook's frame; and which dropped file is used for a robot's mesh."""
 
 import functools
 import html

@@ -32,7 +32,7 @@ def test_a_robot_without_a_table_shows_none(explorer):
     assert page.evaluate("() => window.denavit.app.view.overlay.children.length") == 0
     assert page.evaluate("() => document.querySelectorAll('.labels .tag').length") == 0
     shot(page, "no-table")
-    # And the next one has its own again.
+    # The next robot has its own table again.
     drop_robot(page, UR5E)
     expect(page.locator("#no-table")).to_have_count(0)
 

@@ -98,7 +98,7 @@ pub struct Reml {
 pub struct Tied {
     /// For each source the number that it depends on and the factor; `None`: it contributes nothing.
     pub of: Vec<Option<(usize, f64)>>,
-    /// Number of numbers.
+    /// Count of these numbers.
     pub count: usize,
 }
 

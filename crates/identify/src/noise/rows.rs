@@ -323,7 +323,7 @@ fn scaled<E>(rows: &mut [Raw], fit: &Fit<E>, sources: &[Source]) -> Vec<f64> {
     sizes
 }
 
-/// Precision and gradient of the prior of the free numbers, at the fit.
+/// Precision of the prior of the free numbers, and the gradient of its logarithm at the fit.
 fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_>]) -> (DMatrix<f64>, DVector<f64>) {
     let layout = &fit.layout;
     let waves: usize = curves.iter().map(|held| held.curve.waves.len()).sum();
