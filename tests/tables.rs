@@ -151,10 +151,10 @@ fn what_is_wrong_in_a_table_is_named_with_its_place() {
     says("theta,d,alpha\n0,1,0\n", "t.csv:1: header: columns are theta, d, alpha; a D-H table has theta (θ, q), d");
     says("theta,d,alpha,r\n0,1,0,0\n", "\"r\" is the link length in some books");
     says("theta,d,alpha,a,θ\n0,1,0,0,0\n", "\"theta\" and \"θ\" name the same column");
-    says("theta;d;alpha;a\n0;0,5;0;0\n0;0.5;0;0\n", "t.csv:3:3: row: this number has another decimal mark");
+    says("theta;d;alpha;a\n0;0,5;0;0\n0;0.5;0;0\n", "t.csv:3:3: row: this number uses another decimal mark");
     says("theta,d,alpha,a\n0,1 rad,0,0\n", "t.csv:2:3: row: d is \"1 rad\"");
     let file = folder.file("t.csv", "theta,d,alpha,a\n0,1,0,0\n");
-    assert!(denavit(&["table", &file, "--table-units", "cubit"]).failed().contains("\"cubit\" is no unit"));
+    assert!(denavit(&["table", &file, "--table-units", "cubit"]).failed().contains("\"cubit\" is not a known unit"));
 }
 
 #[test]

@@ -244,9 +244,7 @@ fn effects_are_used_again_and_ask_for_what_they_follow() {
     );
     denavit(&[&again[..], &["--columns", "temperature"]].concat()).succeeded();
     let other = robot("universal_robots/ur10e.urdf");
-    assert!(
-        denavit(&["fk", &other, "--effects", &effects]).failed().contains("the effects are those of robot \"ur5e\"")
-    );
+    assert!(denavit(&["fk", &other, "--effects", &effects]).failed().contains("the effects belong to robot \"ur5e\""));
     let other = robot("abb/irb120.urdf");
     assert!(
         denavit(&["fk", &other, "--effects", &effects]).failed().contains("the effects are for joints shoulder_pan")

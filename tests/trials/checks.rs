@@ -77,7 +77,7 @@ fn degrees_are_found_and_large_radians_are_not() {
     joint(&limit("-180", "180", "90"), &["lower -180 and upper 180 look like degrees; write -3.14159"]);
     joint(&limit("-170", "170", "2"), &["lower -170"]);
     joint(&limit("0", "45", "1"), &["upper 45"]);
-    joint(&limit("-3.1", "3.1", "180"), &["velocity 180 is a round number of degrees per second"]);
+    joint(&limit("-3.1", "3.1", "180"), &["velocity 180 looks like degrees per second"]);
     for (lower, upper, velocity) in [
         ("-6.2832", "6.2832", "3"),
         ("-9.42", "9.42", "20"),
@@ -163,7 +163,7 @@ fn what_is_not_understood_not_in_force_or_not_solved_is_said() {
     check(
         "D025",
         &arm(LIMIT, "").replace("revolute", "continuous"),
-        &["it is continuous, so its limits -1 and 1 are not in force"],
+        &["it is continuous, so its limits -1 and 1 have no effect"],
     );
     check(
         "D025",
@@ -255,7 +255,7 @@ fn with_a_baseline_only_what_is_new_fails() {
     let run = trial.run("check --baseline known.json robots");
     assert!(run.code == 0 && run.stderr.contains("2 finding(s) of the baseline are fixed"), "{}", run.stderr);
     trial.refuses("check --baseline missing.json robots", "missing.json");
-    trial.refuses("check --baseline robots/bad.urdf robots", "this is no baseline");
+    trial.refuses("check --baseline robots/bad.urdf robots", "this is not a baseline");
 }
 
 const SRDF: &str = "<robot name=\"arm\">\n<group name=\"g\">\n<chain base_link=\"base\" tip_link=\"aa\"/>\n<joint name=\"jj\"/>\n</group>\n\

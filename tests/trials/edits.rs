@@ -138,7 +138,7 @@ fn numbers_that_are_added_to_origins_are_added() {
     let trial = trial.with("other.yaml", "geometric_calibration: {arm_dx: 1}\n").with("far.yaml", "elbow_joint_x: 1\n");
     let run = trial.run("edit arm.urdf set-calibration pal.yaml -o pal.urdf");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("nobody_dx\": the key is not understood"), "{}", run.stderr);
+    assert!(run.stderr.contains("nobody_dx\": the key is unknown"), "{}", run.stderr);
     assert!(trial.text("pal.urdf").contains(r#"<origin xyz="-0.4246 0 0" rpy="0.0051 0 0"/>"#));
     trial.run("edit arm.urdf set-calibration offsets.yaml -o offsets.urdf").succeeded();
     assert!(trial.text("offsets.urdf").contains(r#"<origin xyz="-0.424 0 0" rpy="0.002 0 0"/>"#));
@@ -156,7 +156,7 @@ fn what_calibrate_found_is_no_robot_and_says_how_it_becomes_one() {
         let run = trial.run(command);
         assert_eq!(run.code, 2, "{}", run.stderr);
         assert!(
-            run.stderr.contains("`denavit edit ROBOT.urdf set-calibration calib.json` makes a URDF of both"),
+            run.stderr.contains("make a URDF of both with `denavit edit ROBOT.urdf set-calibration calib.json`"),
             "{}",
             run.stderr
         );

@@ -72,5 +72,5 @@ fn a_mass_of_the_manifest_reaches_the_fit() {
     assert!(zero.code == 2 && zero.stderr.contains("write a number above 0"), "{}", zero.stderr);
     let heavy = trial.run("fleet run heavy.csv -o store --set mass=30");
     assert!(heavy.stdout.contains("1 done now, 0 done before, 1 failed"), "{}{}", heavy.stdout, heavy.stderr);
-    assert!(heavy.stdout.contains("the description has masses"), "{}", heavy.stdout);
+    assert!(heavy.stdout.contains("the description already has masses"), "{}", heavy.stdout);
 }

@@ -84,7 +84,7 @@ fn what_is_wrong_is_named_with_its_place() {
     trial.refuses("hand-eye --data pairs.csv --robot-angles XXY", "--robot-angles: \"XXY\" is not an order of angles");
     let two = pairs(2);
     let trial = trial.with("two.csv", &two);
-    trial.refuses("hand-eye --data two.csv", "two.csv: 2 poses; hand-eye calibration needs 3 at least");
+    trial.refuses("hand-eye --data two.csv", "two.csv: 2 poses; hand-eye calibration needs at least 3");
     // One axis only.
     let rows = "robot_x,robot_y,robot_z,robot_rx,robot_ry,robot_rz,x,y,z,rx,ry,rz\n";
     let turns =

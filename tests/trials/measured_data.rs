@@ -55,7 +55,7 @@ fn treated(run: &Run) -> String {
     }
     let attention = run.stdout.lines().find(|line| line.starts_with("ATTENTION"));
     let supposed = attention.and_then(|line| line.split_once(" if ")).map_or("", |(_, rest)| rest);
-    format!("used: {}", supposed.split_once(": met").map_or(supposed, |(what, _)| what))
+    format!("used: {}", supposed.split_once(": they fit").map_or(supposed, |(what, _)| what))
 }
 
 #[test]

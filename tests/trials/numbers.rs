@@ -66,7 +66,7 @@ fn what_is_no_fingerprint_is_trouble_not_a_difference() {
     };
     refuses("abc", "\"abc\" is not a fingerprint; it looks like");
     refuses(&own.trim()[..own.len() - 2], "is not a fingerprint");
-    refuses(&own.trim().replacen("d3", "d1", 1), "is of format d1, and this version hashes more");
+    refuses(&own.trim().replacen("d3", "d1", 1), "is of format d1, but this version uses d3");
     refuses(&own.trim().replacen("1e-6", "1e-5", 1), "has the tolerance 1e-5; compare with --tolerance 1e-5");
     let other = own.trim().chars().map(|c| if c == 'a' { 'b' } else { c }).collect::<String>();
     let other = if other == own.trim() { other.replace('1', "2").replace("d3-2e-6", "d3-1e-6") } else { other };

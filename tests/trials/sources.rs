@@ -91,7 +91,7 @@ fn arguments_of_xacro_are_for_xacro() {
         "check arm.urdf length:=1.5",
         "compensate arm.urdf length:=1.5 --from table.csv --poses poses.csv",
     ] {
-        trial.refuses(line, "takes");
+        trial.refuses(line, "xacro");
     }
     // It is enough if one of them uses it.
     let both = trial.run("diff arm.urdf bent.xacro length:=1.5");

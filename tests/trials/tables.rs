@@ -45,7 +45,7 @@ fn a_row_with_d_and_beta_keeps_both() {
     near(found, expected);
     assert!(said.contains("rows.yaml:3: key \"remark\"") && said.contains("column \"mass\""), "{said}");
     near(tip(&trial, "fk named.yaml --table-convention distal --q 0,0").0, expected);
-    trial.refuses("table bad.yaml", "bad.yaml:2: units: \"cubit\" is no unit");
+    trial.refuses("table bad.yaml", "bad.yaml:2: units: \"cubit\" is not a known unit");
     // There and back in every format that is also a source, and as URDF.
     for (format, name) in [("json", "again.json"), ("csv", "again.csv"), ("md", "again.md")] {
         trial.run(&format!("table hayati.csv --format {format} --units m,rad -o {name}")).succeeded();
@@ -106,10 +106,13 @@ fn units_in_headings_are_known_or_refused() {
         let message = denavit_with_input(&["table", "-"], text).failed();
         assert!(said.iter().all(|said| message.contains(said)), "{message}");
     };
-    refused(&d("d [furlong]", "16"), &["<stdin>:1: column \"d [furlong]\"", "\"furlong\" is no unit", "ft"]);
-    refused(&d("d [deg]", "16"), &["\"deg\" is no unit"]);
+    refused(&d("d [furlong]", "16"), &["<stdin>:1: column \"d [furlong]\"", "\"furlong\" is not a known unit", "ft"]);
+    refused(&d("d [deg]", "16"), &["\"deg\" is not a known unit"]);
     refused(&d("d", "16 furlong"), &["d is \"16 furlong\""]);
-    refused(&format!("# units: furlong, deg\n{}", d("d", "1")), &["<stdin>:1: units", "\"furlong\" is no unit"]);
+    refused(
+        &format!("# units: furlong, deg\n{}", d("d", "1")),
+        &["<stdin>:1: units", "\"furlong\" is not a known unit"],
+    );
     refused("theta,d,alpha,a\nrad,cubit,rad,m\nq1,1,0,0\n", &["theta is \"rad\""]);
     // A row of units.
     let run = denavit_with_input(&["fk", "-", "--json"], "# distal\ntheta,d,alpha,a\nrad,in,deg,m\nq1,16,0,0\n");
@@ -271,7 +274,7 @@ fn a_foreign_yaml_is_not_taken_for_a_franka() {
     let read = trial.run("table more.yaml");
     assert_eq!(read.code, 0, "{}", read.stderr);
     assert!(read.stderr.contains("read as the joint origins of a Franka arm"), "{}", read.stderr);
-    assert!(read.stderr.contains("more.yaml:65: key \"remark\": the key is not understood"), "{}", read.stderr);
+    assert!(read.stderr.contains("more.yaml:65: key \"remark\": the key is unknown"), "{}", read.stderr);
 }
 
 #[test]
@@ -350,7 +353,7 @@ fn opw_files_and_screw_axes_of_modern_robotics_are_robots() {
     let rows = tip(&trial, "fk axes.json --q 0.1,0.2,0.3,0.4,0.5,0.6").0;
     let (found, said) = tip(&trial, "fk columns.json --q 0.1,0.2,0.3,0.4,0.5,0.6");
     near(found, rows);
-    assert!(said.contains("key \"Glist\": the key is not understood") && said.contains("read as m"), "{said}");
+    assert!(said.contains("key \"Glist\": the key is unknown") && said.contains("read as m"), "{said}");
     near(tip(&trial, "fk axes.json --q 0,0,0,0,0,0").0, [0.817, 0.191, -0.006]);
     trial.refuses("table bad.json", "is not of unit length");
 }
@@ -379,7 +382,7 @@ fn nothing_that_is_not_understood_is_passed_over() {
             with(lines[3], "red"),
             with(lines[4], "7")
         );
-        notes("column.csv", &text, "column.csv:3: column \"colour\": the column is not understood");
+        notes("column.csv", &text, "column.csv:3: column \"colour\": the column is unknown");
         let text = format!(
             "{}\n{}\n{}\n{}\n{}\n",
             lines[0],
@@ -403,7 +406,10 @@ fn nothing_that_is_not_understood_is_passed_over() {
     // A unit in every heading, and in every cell.
     for column in ["theta", "d", "alpha", "a"] {
         let text = csv.replacen(&format!(",{column}"), &format!(",{column} [cubit]"), 1);
-        assert!(denavit_with_input(&["table", "-"], &text).failed().contains("\"cubit\" is no unit"), "{column}");
+        assert!(
+            denavit_with_input(&["table", "-"], &text).failed().contains("\"cubit\" is not a known unit"),
+            "{column}"
+        );
     }
     for cell in ["q1,0.1,90,0", "q1,0.1 cubit,90,0", "q1 cubit,0.1,90,0", "q1,0.1,90 cubit,0", "q1,0.1,90,0 cubit"]
         .iter()
@@ -425,7 +431,7 @@ fn nothing_that_is_not_understood_is_passed_over() {
             let mut with = json.clone();
             with.pointer_mut(&pointer).unwrap()["colour"] = "red".into();
             let run = denavit_with_input(&["table", "-"], &with.to_string());
-            assert!(run.stderr.contains("colour\": the key is not understood"), "{kind} {pointer}: {}", run.stderr);
+            assert!(run.stderr.contains("colour\": the key is unknown"), "{kind} {pointer}: {}", run.stderr);
         }
         let clean = denavit_with_input(&["table", "-"], &json.to_string());
         assert_eq!((clean.code, clean.stderr.as_str()), (0, ""), "{kind}");

@@ -36,7 +36,7 @@ fn a_hole_that_is_not_there_and_a_plate_that_is_not_stated_are_said() {
     let without = said(&format!("{header},hole\n0,0,0,0,0,0,A1\n"), None);
     assert!(without.contains("give the plate of the holes by ‹plate›"), "{without}");
     let both = said(&format!("{header},hole,x,y,z\n0,0,0,0,0,0,A1,1,2,3\n"), Some("4x3:40mm"));
-    assert!(both.contains("leave out one of both"), "{both}");
+    assert!(both.contains("leave one of them out"), "{both}");
     let none = said(&format!("{header},x,y,z\n0,0,0,0,0,0,1,2,3\n"), Some("4x3:40mm"));
     assert!(none.contains("needs a column \"hole\""), "{none}");
     // A label of this name beside a tracker's numbers is a label.

@@ -96,7 +96,7 @@ fn ten_poses_bring_curves_up_to_date_as_one_fit_of_both_days_does() {
         assert_eq!(found, ["joint_2", "joint_3"]);
         assert_eq!(after.effects(&statics()).curves.len(), 2);
         assert!(
-            text::calibration(&after).contains("of its 2 effects and error curves 2 are carried over"),
+            text::calibration(&after).contains("2 of its 2 effects and error curves are carried over"),
             "{}",
             text::calibration(&after)
         );
@@ -260,11 +260,11 @@ fn effects_of_a_prior_that_cannot_be_are_refused() {
     let error = refused(&|effects| effects["std"] = serde_json::json!([1.0])).to_string();
     assert!(error.starts_with("e.json: posterior.effects: std and correlations need "), "{error}");
     let error = refused(&|effects| effects["modes"][0][0] = serde_json::json!([1.0])).to_string();
-    assert!(error.starts_with("e.json: posterior.effects: modes must be those of the curves"), "{error}");
+    assert!(error.starts_with("e.json: posterior.effects: modes must match the curves"), "{error}");
     let error = refused(&|effects| effects["model"]["curves"][0]["joint"] = 9.into()).to_string();
     assert!(error.starts_with("e.json: curve 1: it names joint 9"), "{error}");
     let error = refused(&|effects| effects["fields"] = 3.into()).to_string();
-    assert!(error.contains("fields is 3, and there are 0 effects"), "{error}");
+    assert!(error.contains("fields is 3, but there are 0 effects"), "{error}");
 }
 
 #[path = "../examples/study_prior.rs"]

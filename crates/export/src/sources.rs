@@ -284,7 +284,7 @@ pub enum SourceErrorKind {
     Chain(#[from] ChainError),
 }
 
-/// Whether a text holds a table, judged by column headings, not by the file name.
+/// Whether a text holds a table, by its column headings, not by its file name.
 pub fn holds_table(text: &str) -> bool {
     rows::holds_header(text)
 }

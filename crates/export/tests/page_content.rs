@@ -124,7 +124,8 @@ fn page_tells_what_was_read_otherwise_than_written_and_where_it_came_from() {
     let page = html(&document);
     let note = document.main.notes.iter().find(|note| matches!(note, Note::IntendedAngle { .. })).unwrap().to_string();
     assert!(page.contains(&note.replace('"', "&quot;").replace('/', "&#x2f;")), "{note}");
-    for shown in ["arm.urdf", "4f1d0a", "2.5 kg", "0.01, 0.02, 0.03", "30 N·m", "endless", "85.94°", "2 of the links"]
+    for shown in
+        ["arm.urdf", "4f1d0a", "2.5 kg", "0.01, 0.02, 0.03", "30 N·m", "endless", "85.94°", "Links without mass: 2"]
     {
         assert!(page.contains(shown), "{shown}");
     }
@@ -155,7 +156,7 @@ fn numbers_that_are_not_to_scale_leave_the_arm_on_the_sheet() {
     let document = document(nearly_parallel(1e-6), &exact);
     assert!(far_from_scale(&document.main.table));
     let page = html(&document);
-    assert!(page.contains("far beyond the robot&#x27;s size") || page.contains("far beyond the robot's size"));
+    assert!(page.contains("far exceeds the robot&#x27;s size") || page.contains("far exceeds the robot's size"));
     assert!(page.contains("common normal is"), "the note is on the page");
     let svg = skeleton(&document.main.table, View::Isometric, Detail::Dimensioned, Units::default());
     assert!(texts(&svg).iter().any(|word| word == "x₀"), "the arm is on the sheet: {:?}", texts(&svg));

@@ -98,9 +98,9 @@ fn what_a_row_says_twice_must_be_the_same() {
         ("kind,offset,d,alpha,a\nP,90,q1,0,0\n", "the offset may belong to d"),
         ("theta,d,alpha,a\nq1,0,0,0,7\n", "the row has 5 cells but the header has 4"),
         ("theta,d,alpha,a\n90° + π/2,0,0,0\n", "theta is \"90° + π/2\""),
-        ("theta,d [furlong],alpha,a\nq1,0,0,0\n", "column \"d [furlong]\": \"furlong\" is no unit"),
+        ("theta,d [furlong],alpha,a\nq1,0,0,0\n", "column \"d [furlong]\": \"furlong\" is not a known unit"),
         ("theta,d [deg],alpha,a\nq1,0,0,0\n", "\"deg\" is not a known unit here"),
-        ("# units: furlong\ntheta,d,alpha,a\nq1,0,0,0\n", "t.csv:1: units: \"furlong\" is no unit"),
+        ("# units: furlong\ntheta,d,alpha,a\nq1,0,0,0\n", "t.csv:1: units: \"furlong\" is not a known unit"),
     ] {
         let message = refused("t.csv", text);
         assert!(message.contains(said), "{message}");
@@ -145,7 +145,7 @@ fn every_reader_of_tables_reports_what_it_does_not_understand() {
     }
     let markdown = "standard, lengths in m, angles in degrees\n\n| theta | d | alpha | a | limits |\n|---|---|---|---|---|\n| q1 | 0.1 | 90 | 0 | ±170° |\n";
     assert!(read("t.md", markdown).notes.is_empty());
-    reported(&read("t.md", &format!("{markdown}\nSee page 3.\n")), "t.md:7: text: text behind the table is not read");
+    reported(&read("t.md", &format!("{markdown}\nSee page 3.\n")), "t.md:7: text: text after the table is ignored");
     reported(&read("t.md", &format!("{markdown}\n# B\n\n{markdown}")), "another table follows");
     reported(&read("t.md", &markdown.replace("±170°", "page 3")), "limits \"page 3\" are not understood");
     let axes = "row,joint,kind,wx,wy,wz,vx,vy,vz,colour\n1,j,revolute,0,0,1,0,0,0,red\ntool,,,0,0,0,0.5,0,0,\n";

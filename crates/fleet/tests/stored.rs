@@ -55,7 +55,7 @@ fn tables_without_their_run_are_taken_away_and_foreign_files_are_named() {
     assert_eq!(std::fs::read_dir(folder.path().join("runs")).unwrap().count(), 0);
     std::fs::write(folder.path().join("runs/mine.parquet"), "no parquet").unwrap();
     let error = held.store.runs().unwrap_err().to_string();
-    assert!(error.contains("mine.parquet: this is no file of a fleet's store"), "{error}");
+    assert!(error.contains("mine.parquet: this is not a file of a fleet store"), "{error}");
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
     if let (true, Some(most)) = (apart.len() > 1, apart.iter().copied().reduce(f64::max)) {
         let _ = writeln!(
             text,
-            "the results of {} closed forms for {} are within {most:.3} mm of this",
+            "{} closed forms for {} give results within {most:.3} mm of this",
             apart.len(),
             found.base.name
         );

@@ -8,7 +8,7 @@ use denavit_identify::effects::driver::{BumpShape, Driver};
 use denavit_identify::effects::survey::Survey;
 use denavit_measurements::Column;
 
-/// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what is detectable in noise.
+/// Steps of the golden section: they shrink a bracket to 0.618¹⁶, less than a thousandth of it.
 const HALVINGS: usize = 16;
 /// Scanned numbers of a bump: place and width.
 const BUMP_NUMBERS: usize = 2;

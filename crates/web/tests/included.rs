@@ -46,7 +46,7 @@ fn every_question_is_answered_where_a_model_includes_others() {
         let files = json!({ "/top/arm.xml": ARM, "/top/parts/defaults.xml": part });
         let names = json!(["/top/arm.xml", "/top/parts/defaults.xml", "/top/tool.stl"]);
         let (answer, source) = opened("top/arm.xml", ARM, &files, &names);
-        assert!(answer["urdf"].as_str().unwrap().contains("not weighed"), "{}", answer["urdf"]);
+        assert!(answer["urdf"].as_str().unwrap().contains("does not compute their mass"), "{}", answer["urdf"]);
         check(&source, "j");
     }
     let files = json!({ "/ws/cell/model.sdf": SDF, "/ws/arm/arm.sdf": NESTED,

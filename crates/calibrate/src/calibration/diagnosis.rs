@@ -68,7 +68,7 @@ const CONFIRMED: usize = 3;
 pub enum Diagnosis {
     /// A mistake that explains the misfit.
     #[error(
-        "{file}: {} They would fit {} instead of {} if {}; {}",
+        "{file}: {} They would fit to {} instead of {} if {}; {}",
         "these data do not fit this robot as they are written.",
         in_words(*after),
         in_words(*before),
@@ -258,7 +258,7 @@ impl Corrected {
             format!(" (these rows are explained as well if {})", self.alternatives.join(", or if "))
         };
         format!(
-            "read as if {}: they fit {} instead of {}; {}{or}",
+            "read as if {}: they fit to {} instead of {}; {}{or}",
             supposed(&self.mistakes),
             in_words(self.after),
             in_words(self.before),

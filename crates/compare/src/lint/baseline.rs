@@ -160,7 +160,7 @@ mod tests {
     fn what_is_no_baseline_is_refused_with_its_line() {
         let read = |text: &str| Baseline::read("b.json", text).unwrap_err().to_string();
         assert!(
-            read("{\n\"schema\": 1}").starts_with("b.json:2: this is no baseline: invalid type"),
+            read("{\n\"schema\": 1}").starts_with("b.json:2: this is not a baseline: invalid type"),
             "{}",
             read("{\n\"schema\": 1}")
         );

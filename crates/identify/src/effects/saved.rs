@@ -393,6 +393,6 @@ mod tests {
         let beyond = format!("{drawn}\"effects\": [{}", effects.replace("\"joint\": 1", "\"joint\": 7"));
         assert_eq!(refused(&beyond), "e.json: effect 1 (transmission_error): it names joint 7; joints are 0 to 1");
         let bare = refused(&text.replacen("\"points\": [", "\"points\": [[0, 0, 0],", 1));
-        assert!(bare.starts_with("e.json: drawn: 4 points, where 3 belong"), "{bare}");
+        assert!(bare.starts_with("e.json: drawn: 4 points instead of 3"), "{bare}");
     }
 }
