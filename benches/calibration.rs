@@ -31,7 +31,7 @@ pub fn identification() {
     });
 }
 
-/// 400 full poses of a 7R arm with time and temperature recorded: clean, and with a joint that gives way.
+/// 400 full poses of a 7R arm with time and temperature recorded: without effects, and with a compliant joint.
 pub fn tracing() {
     let (name, file, tip) = ROBOTS[1];
     let (robot, chain) = robot(file, tip);

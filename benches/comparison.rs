@@ -4,7 +4,7 @@ use denavit_benches::{ROBOTS, chain, moved_axes, report};
 use denavit_compare::{Options, Subject, compare};
 use std::hint::black_box;
 
-/// A 7R arm and the same with every axis moved by a millimetre, 100 000 configurations sampled; beside it, none.
+/// A 7R arm and the same with every axis moved by a millimetre, with 100 000 sampled configurations and with none.
 pub fn comparison() {
     let (robot, file, tip) = ROBOTS[1];
     let drawn = chain(file, tip);

@@ -40,7 +40,7 @@ pub fn batch() {
     }
 }
 
-/// 100 000 configurations of the 7R, as a sampler asks for them.
+/// 100 000 configurations of the 7R in one call, like a sampler's.
 pub fn many() {
     let count = 100_000;
     let (robot, file, tip) = ROBOTS[1];

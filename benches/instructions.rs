@@ -1,4 +1,4 @@
-//! Does one thing a number of times and nothing else: what `benches/count_instructions` runs below callgrind.
+//! Does one thing a number of times and nothing else; `benches/count_instructions` runs it under callgrind.
 //!
 //! `instructions WHAT TIMES`, WHAT one of [`WORK`].
 
@@ -13,7 +13,7 @@ use denavit_model::nalgebra::{Point3, Vector6};
 use denavit_model::{CompiledChain, Pose, Reading, urdf};
 use std::hint::black_box;
 
-/// Does its thing that many times.
+/// Does its work this many times.
 type Repeat = fn(usize);
 
 /// What can be counted.

@@ -1,19 +1,19 @@
 //! Robots, configurations and the clock that the benchmarks share.
 //!
-//! Time is taken in windows of some hundred microseconds, and the median of a few hundred of them counts: on a machine that
-//! others use, too, most windows are not interrupted, where the milliseconds of a sample of criterion's mostly are. The peers
-//! in C++ and Python are timed in the same way, so that ratios mean something.
+//! A figure is the median over a few hundred windows of some hundred microseconds: on a shared machine most of these windows
+//! are not interrupted, but most of criterion's samples, which take milliseconds, are. The peers in C++ and Python are timed
+//! in the same way, so that ratios are meaningful.
 
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Reading, se3, urdf};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A robot that is measured: its name in the table, its file below `robots/`, its tip link.
+/// A robot to be measured: its name in the table, its file below `robots/`, its tip link.
 pub const ROBOTS: &[(&str, &str, &str)] =
     &[("UR5e", "universal_robots/ur5e.urdf", "tool0"), ("Panda", "franka/panda.urdf", "panda_link8")];
 
-/// Configurations in a batch: all that is touched stays in the second-level cache.
+/// Configurations in a batch: all data stay in the second-level cache.
 pub const BATCH: usize = 1000;
 
 /// Path of a file below `robots/`.
@@ -58,10 +58,10 @@ pub fn configurations(coordinates: usize, count: usize) -> Vec<f64> {
 
 /// Windows in a measurement, at most.
 const WINDOWS: usize = 300;
-/// And no longer than this for all of them, but for the first five.
+/// Time limit for all windows except the first five.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-/// Median time of `work`, which does its thing `times` times, ns for each.
+/// Median time of `work`, which does its work `times` times; ns for each.
 ///
 /// # Panics
 /// `times` is 0.

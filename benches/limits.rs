@@ -1,5 +1,5 @@
-//! What the machine can do at best: vector arithmetic from registers alone, the sines that kinematics cannot go without, and
-//! forward kinematics of one robot written out by hand.
+//! The machine's limits: vector arithmetic from registers alone, the sines that kinematics needs, and forward kinematics of one
+//! robot written out by hand.
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 
@@ -104,7 +104,7 @@ fn turn<S: Simd>(simd: S, q: &[f64], joint: usize) -> (S::f64s, S::f64s) {
 }
 
 /// Forward kinematics of the UR5e alone, joint after joint by its published D-H numbers (d, a; alpha a quarter turn or none),
-/// with nothing decided at run time: what batches of a chain that is only known at run time are measured against.
+/// with nothing decided at run time: the reference for batches of a chain that is known only at run time.
 #[inline(always)]
 fn ur5e<S: Simd>(simd: S, q: &[f64], poses: &mut [Pose]) {
     let (zero, one) = (S::f64s::splat(simd, 0.0), S::f64s::splat(simd, 1.0));

@@ -1,14 +1,14 @@
-//! From the text of a URDF, already read, to a chain, beside urdf-rs alone and the XML parser alone; of an MJCF to a robot.
+//! From the text of a URDF to a chain, compared with urdf-rs alone and the XML parser alone; from an MJCF to a robot.
 
 use denavit_benches::{ROBOTS, report, robot_file, robot_text};
 use denavit_model::{Reading, urdf};
 use std::hint::black_box;
 use std::path::PathBuf;
 
-/// A large robot is named by the environment, since none is kept here: `benches/run` names the PR2.
+/// Environment variable with the file of a large robot, because the repository has none: `benches/run` sets the PR2.
 const LARGE: &str = "DENAVIT_LARGE_URDF";
 
-/// A model in MJCF, without includes: `benches/run` names one of 30 bodies where it is there.
+/// Environment variable with an MJCF model without includes: `benches/run` sets one of 30 bodies, if it exists.
 const MJCF: &str = "DENAVIT_MJCF";
 
 pub fn loading() {

@@ -1,10 +1,10 @@
-//! House rules: who may know whom, and what the documents say of it.
+//! House rules: which crate or module may use which, and that the documents agree.
 
 use crate::support::top;
 use denavit_model::settings::SETTINGS;
 use std::process::Command;
 
-/// A crate may depend on those before it that are named here.
+/// A crate may depend only on earlier crates that are listed here.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("denavit-model", &[]),
     ("denavit-dh", &["denavit-model"]),
@@ -155,7 +155,7 @@ fn every_test_file_is_a_module_of_its_binary() {
     assert!(seen > 0, "no crate has its tests in one binary");
 }
 
-/// Modules in layers: each may know those of its own layer and of the layers before it.
+/// Modules in layers: each may use those of its own layer and of the layers before it.
 const LAYERS: &[(&str, &[&[&str]])] = &[
     (
         "identify",
@@ -205,7 +205,7 @@ const LAYERS: &[(&str, &[&[&str]])] = &[
     ("calibrate", &[&["apply"], &["calibration"], &["report"]]),
 ];
 
-/// The modules that Rust code speaks of by `crate::MODULE`.
+/// The modules that Rust code refers to by `crate::MODULE`.
 fn modules_named<'a>(text: &str, modules: &[&'a str]) -> Vec<&'a str> {
     let named = |module: &&str| {
         text.match_indices("crate::").any(|(at, _)| {
@@ -260,7 +260,7 @@ fn modules_know_only_those_of_layers_before_them() {
     }
 }
 
-/// The names that the root of `denavit-calibrate` promises: what its documentation shows.
+/// The public names at the root of `denavit-calibrate`, as its documentation shows them.
 fn promised_by_calibrate(lib: &str) -> Vec<String> {
     let uses = lib.split("\npub use ").collect::<Vec<_>>();
     let is_hidden = |before: &str| before.trim_end().ends_with("#[doc(hidden)]");
@@ -295,7 +295,7 @@ pub mod ",
     assert_eq!(example.matches("denavit_calibrate").count(), 1, "calibrate_arm.rs reaches into a module");
 }
 
-/// Lines of code of the libraries, comments left out, each with its file.
+/// Lines of code of the libraries without comments, each with its file.
 fn library_lines() -> Vec<(std::path::PathBuf, String)> {
     let mut lines = Vec::new();
     for entry in std::fs::read_dir(top().join("crates")).unwrap() {
@@ -316,7 +316,7 @@ fn library_lines() -> Vec<(std::path::PathBuf, String)> {
 
 #[test]
 fn libraries_name_no_flag_of_the_command_line() {
-    // What is said to git and to ROS, the words of operations (the same in Python), and the test of the forms themselves.
+    // Words for git and for ROS, the words of operations (the same in Python), and the test of the forms themselves.
     let may = [
         "edit/src/operation.rs",
         "fleet/src/corpus/history.rs",
@@ -364,7 +364,7 @@ fn settings_in_messages_are_flags_of_the_command_line() {
     assert_eq!(named.into_iter().collect::<Vec<_>>(), SETTINGS, "a setting that no message names");
 }
 
-/// Files of the library crates that others use, each with its crate's folder: the page's crate answers JavaScript.
+/// Files of the library crates that other code uses, each with its crate's folder; without the page's crate, which answers JavaScript.
 fn published_files() -> Vec<(std::path::PathBuf, std::path::PathBuf)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(top().join("crates")).unwrap() {
@@ -378,7 +378,7 @@ fn published_files() -> Vec<(std::path::PathBuf, std::path::PathBuf)> {
     all
 }
 
-/// Whether a file is in a module that its crate keeps to itself.
+/// Whether a file is in a private module of its crate.
 fn is_private(folder: &std::path::Path, file: &std::path::Path) -> bool {
     let lib = std::fs::read_to_string(folder.join("src/lib.rs")).unwrap();
     let inside = file.strip_prefix(folder.join("src")).unwrap().with_extension("");
@@ -388,7 +388,7 @@ fn is_private(folder: &std::path::Path, file: &std::path::Path) -> bool {
 
 #[test]
 fn no_public_function_fails_with_a_bare_text() {
-    // What a caller gives to fetch files fails with the caller's words; what is behind the root of calibrate is not for others.
+    // A caller's function for fetching files fails with the caller's words; modules below the root of calibrate are not for other crates.
     let may = |folder: &std::path::Path, name: &str| {
         ["calibrate", "identify", "measurements", "trace"].iter().any(|own| folder.ends_with(own)) || name == "nothing"
     };
@@ -432,7 +432,7 @@ fn public_errors_hold_no_types_of_other_crates() {
     assert!(seen > 20, "{seen} errors were looked at");
 }
 
-/// Errors grow with what is refused.
+/// Public error types are non-exhaustive, because new reasons to refuse may be added.
 #[test]
 fn public_errors_may_grow() {
     let mut missing = Vec::new();

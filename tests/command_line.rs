@@ -1,4 +1,4 @@
-//! The program as a user meets it: arguments, messages, exit codes, files.
+//! The program from the user's side: arguments, messages, exit codes, files.
 
 use crate::support::{denavit, denavit_with_input, robot};
 
@@ -83,10 +83,10 @@ fn messages_name_the_trouble_and_the_mend() {
         &["fk", &ur5e, "--q", "elbow=1"],
         "error: --q: the chain has no joint \"elbow\"; the joints are shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint, wrist_3_joint",
     );
-    check(&["fk", &ur5e, "--q", "0,0,0,0,0,x"], "error: --q: \"x\" is no finite number");
+    check(&["fk", &ur5e, "--q", "0,0,0,0,0,x"], "error: --q: \"x\" is not a finite number");
     check(
         &["table", &ur5e, "--units", "inch"],
-        "error: --units: \"inch\" is no unit of documents; write m or mm, and deg or rad",
+        "error: --units: \"inch\" is not a unit of text; write m or mm, and deg or rad",
     );
 }
 
@@ -120,11 +120,11 @@ fn bad_files_get_one_clear_message() {
         ),
         (
             link(&["a", "b"]) + &joint(&format!("{ends}<origin xyz=\"0 nan 0\"/>")),
-            "joint \"j\": <origin xyz=\"0 nan 0\">: \"nan\" is no finite number",
+            "joint \"j\": <origin xyz=\"0 nan 0\">: \"nan\" is not a finite number",
         ),
         (
             link(&["a", "b"]) + &joint(&format!("{ends}<origin xyz=\"0 0\"/>")),
-            "joint \"j\": <origin xyz=\"0 0\">: 2 numbers where 3 belong",
+            "joint \"j\": <origin xyz=\"0 0\"> has 2 numbers instead of 3",
         ),
         (
             link(&["a", "b"])
@@ -212,7 +212,7 @@ fn every_table_of_the_project_matches_its_robot() {
         let tips: &[&str] = if stem.ends_with("panda") { &["--tip", "panda_link8"] } else { &[] };
         let mut arguments = vec!["table", &urdf, "--match", &name];
         arguments.extend(tips);
-        assert!(denavit(&arguments).succeeded().contains("Every number prints back"), "{name}");
+        assert!(denavit(&arguments).succeeded().contains("Every number is printed as"), "{name}");
     }
 }
 

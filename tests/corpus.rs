@@ -1,15 +1,15 @@
-//! Every vendor's file ends in a table that can be read, or in a reason; and what is said of the tip is true.
+//! Every vendor's file gives a readable table or a reason; and the statement about the tip is true.
 
 use crate::support::{configurations, files, top, vendor};
 use denavit_dh::Options;
 use denavit_dh::convert::table;
 use denavit_model::{Note, Reading, se3};
 
-/// Files of which a number beyond three times the robot's size is true: real offsets between nearly parallel axes.
+/// Files in which a number larger than three times the robot's size is right: real offsets between nearly parallel axes.
 const TRULY_FAR: &[(&str, &str)] =
     &[("gingerurdf.urdf", "finger joints are turned by full-precision angles some 1e-4 rad off, as drawn in CAD")];
 
-/// Checks one file; returns the number of chains, or why there is none.
+/// Checks one file; returns the number of chains, or the reason for having none.
 fn check(path: &std::path::Path, samples: usize, far: &mut Vec<String>) -> Result<usize, String> {
     let name = path.to_str().unwrap();
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;

@@ -1,9 +1,9 @@
-//! `tests/failed-tests`: what `tests/run` prints of a failed run.
+//! `tests/failed-tests`: the part of a failed run's log that `tests/run` prints.
 
 use crate::support::top;
 use std::process::Command;
 
-/// Two binaries of cargo: a test that prints the word `failures:` and passes, one that fails after much output, one that is killed.
+/// A log of two binaries of cargo: a test that prints the word `failures:` and passes, one that fails after much output, one that is killed.
 const CARGO: &str = "     Running unittests src/lib.rs (target/debug/deps/arm-0123456789abcdef)
 
 running 2 tests

@@ -1,14 +1,14 @@
-//! A failure of a computation or of the system is an error or a state with a name, never a neutral value.
+//! A failure of a computation or of the system is an error or a named state, never a neutral value.
 //!
-//! Every statement that takes the place of such a failure (`unwrap_or`, `ok()`, `let Ok(…) = … else`, …) is listed here with its reason.
+//! Every statement that replaces such a failure (`unwrap_or`, `ok()`, `let Ok(…) = … else`, …) is listed here with its reason.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Crates that compute and that read and write files.
+/// Crates that compute, or read and write files.
 const CRATES: [&str; 8] = ["measurements", "identify", "trace", "calibrate", "fleet", "bag", "load", "cli"];
 
-/// What fails as a computation or by the system.
+/// Calls that can fail as a computation or because of the system.
 const FAILS: [&str; 24] = [
     "cholesky(",
     "try_inverse(",
@@ -36,11 +36,11 @@ const FAILS: [&str; 24] = [
     ".table(",
 ];
 
-/// What takes its place.
+/// Code that replaces the failure.
 const NEUTRAL: [&str; 7] =
     [".ok()", ".unwrap_or(", ".unwrap_or_default(", ".unwrap_or_else(", ".map_or(", ".map_or_else(", ".is_ok_and("];
 
-/// Reviewed: file below `crates`, a part of the statement, why it may.
+/// Reviewed statements: file below `crates`, a part of the statement, why it is allowed.
 const REVIEWED: &[(&str, &str, &str)] = &[
     (
         "calibrate/src/calibration/monitor.rs",
@@ -124,7 +124,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The statements of a file, tests and comments left out, blanks made one.
+/// The statements of a file without tests and comments, with single blanks.
 fn statements(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap_or(text);
     let lines = code.lines().map(str::trim).filter(|line| !line.starts_with("//"));

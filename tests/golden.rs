@@ -26,7 +26,7 @@ fn every_format_of_every_golden_robot() {
             let mut all = vec!["table", &file, "--format", format.name];
             all.extend(&arguments[1..]);
             let run = denavit(&all);
-            // A format may have no place for what a robot has: then it says so.
+            // A format may be unable to express a robot: then the error says so.
             let text = if run.code == 0 { run.stdout } else { run.failed() };
             snapshot(&format!("table_{name}.{}", format.extension), &text);
         }

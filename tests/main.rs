@@ -1,4 +1,4 @@
-//! The program as a user meets it, golden files, house rules, and the oracle: one binary, a module each.
+//! The program from the user's side, golden files, house rules, and the oracle: one binary, a module each.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its input has failed")]
 #![allow(clippy::print_stdout, reason = "tests say what they measured and what they skipped")]

@@ -56,17 +56,17 @@ fn witnesses() -> Option<Vec<Witness>> {
 /// m and rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Agreement of one way to compute poses with the oracle's.
+/// Agreement of one way to compute poses with the oracle.
 #[derive(Default)]
 struct Agreement {
     turned: Vec<f64>,
     moved: Vec<f64>,
-    /// Poses of tables whose numbers are too long for 1e-9 m in f64, held to the rounding at those numbers instead.
+    /// Poses of tables whose lengths are too large for 1e-9 m in f64: the tolerance is the rounding at these lengths.
     beyond: usize,
 }
 
 impl Agreement {
-    /// `greatest`: the longest number that goes into `found`, m.
+    /// `greatest`: the largest length that `found` is computed from, m.
     fn add(&mut self, found: &Pose, expected: &Pose, greatest: f64) {
         let (turned, moved) = se3::difference(found, expected);
         let rounding = 64.0 * f64::EPSILON * greatest;

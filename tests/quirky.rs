@@ -1,4 +1,4 @@
-//! Malformed and odd files found in the wild: each ends in a table or in an error that names the trouble.
+//! Malformed and odd files found in the wild: each gives a table or an error that names the cause.
 
 use crate::support::{denavit, files, vendor};
 

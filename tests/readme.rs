@@ -1,11 +1,11 @@
-//! What the README shows is what the commands print, and all documents together are short.
+//! The README shows what the commands print, and all documents together are short.
 
 use crate::support::{denavit, own_files, top};
 use std::fmt::Write;
 
-/// Words of the README at most.
+/// Most words in the README.
 const README_WORDS: usize = 900;
-/// Words of all documents at most.
+/// Most words in all documents together.
 const ALL_WORDS: usize = 20_000;
 
 #[test]
@@ -28,14 +28,14 @@ fn every_example_prints_what_the_readme_shows() {
 #[test]
 fn the_documents_are_short() {
     let top = top();
-    // All but sources of robots, notes of example data, and templates of pages.
+    // All except sources of robots, notes on example data, and templates of pages.
     let found = own_files(&top, &[".md"], &["robots", "data", "templates", "shared"]);
     assert!(found.len() > 50, "{} documents", found.len());
     let mut counts: Vec<(usize, String)> = found
         .iter()
         .map(|path| {
             let text = std::fs::read_to_string(path).unwrap();
-            // Rules of tables, dashes and signs are no words.
+            // Lines of tables, dashes and signs do not count as words.
             let words = text.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count();
             (words, path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned())
         })

@@ -1,4 +1,4 @@
-//! Seeded numbers and seeded changes of texts, for the tests of every reader: a run is the same wherever it is made.
+//! Seeded numbers and seeded changes of texts, for the tests of every reader: a run is the same on every machine.
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each test takes its part; a panic is a failure")]
 
@@ -26,8 +26,8 @@ impl Random {
     }
 }
 
-/// One of the seeds after `most` changes or fewer, at least one: bytes lost, copied and exchanged, words of `words` put in, the
-/// rest of another seed behind. Half of the changed bytes are printable.
+/// One of the seeds after one to `most` changes: bytes removed, copied and exchanged, words of `words` inserted, the rest of another
+/// seed appended. Half of the changed bytes are printable.
 pub fn mutated(seeds: &[&str], words: &[&str], most: usize, random: &mut Random) -> Vec<u8> {
     let mut bytes = seeds[random.below(seeds.len())].as_bytes().to_vec();
     for _ in 0..=random.below(most) {

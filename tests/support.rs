@@ -13,7 +13,7 @@ pub fn robot(path: &str) -> String {
     top().join("robots").join(path).to_str().unwrap().to_owned()
 }
 
-/// The folder of vendors' files beside the project, where it is there.
+/// The folder of vendors' files beside the project, if it exists.
 pub fn vendor() -> Option<PathBuf> {
     let folder = top().join("../shared/vendor");
     if !folder.is_dir() {
@@ -22,7 +22,7 @@ pub fn vendor() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
-/// What a run of the binary gave.
+/// Result of a run of the binary.
 pub struct Run {
     pub code: i32,
     pub stdout: String,
@@ -42,7 +42,7 @@ pub fn denavit(arguments: &[&str]) -> Run {
     denavit_in(&top(), arguments)
 }
 
-/// The project's own files below `folder` with one of these endings; folders of these names are left out, as is what is built or hidden.
+/// The project's own files below `folder` with one of these endings, without folders of these names, built and hidden files.
 pub fn own_files(folder: &Path, endings: &[&str], left_out: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -69,7 +69,7 @@ pub fn denavit_in(folder: &Path, arguments: &[&str]) -> Run {
 pub fn program(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_denavit"));
     command.current_dir(folder);
-    // Results that tell the day tell the same one every day.
+    // Results with a date always have the same one.
     command.env("SOURCE_DATE_EPOCH", "1772323200");
     command
 }

@@ -1,4 +1,4 @@
-//! Tables as people write them, and one table in every view.
+//! Tables as people write them, and one table in every format.
 
 use crate::support::{denavit, denavit_with_input, robot};
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ impl Folder {
     }
 }
 
-/// The UR5e's table as manuals, spreadsheets and wikis have it.
+/// The UR5e's table as in manuals, spreadsheets and wikis.
 const UR5E: [(&str, &str); 8] = [
     (
         "semicolons.csv",
@@ -76,12 +76,12 @@ fn tables_as_manuals_print_them_are_the_robot() {
     let silent = denavit(&["table", &folder.file("a.csv", UR5E[0].1)]);
     assert_eq!((silent.code, silent.stderr.as_str()), (0, ""), "all is stated");
     let told = denavit(&["table", &folder.file("b.csv", UR5E[4].1)]);
-    for expected in ["read as distal", "degrees, as 90 is", "mm, as links of"] {
+    for expected in ["read as distal", "degrees, as 90 is", "mm, because links of"] {
         assert!(told.stderr.contains(expected), "{expected}: {}", told.stderr);
     }
 }
 
-/// The Panda's, as its maker prints it: Craig's convention, the flange in the last row.
+/// The Panda's table as printed by its maker: Craig's convention, the flange in the last row.
 const PANDA: &str = "Joint,a (m),d (m),alpha (rad),theta (rad)\nJoint 1,0,0.333,0,θ1\nJoint 2,0,0,−π/2,θ2\n\
                      Joint 3,0,0.316,π/2,θ3\nJoint 4,0.0825,0,π/2,θ4\nJoint 5,−0.0825,0.384,−π/2,θ5\nJoint 6,0,0,π/2,θ6\n\
                      Joint 7,0.088,0,π/2,θ7\nFlange,0,0.107,0,0\n";
@@ -105,11 +105,7 @@ fn a_convention_that_nobody_states_is_tried_and_told() {
     assert!(stated.code == 0 && !stated.stdout.contains("fits best"), "{}", stated.stdout);
     let wrong = matched(&["--convention", "distal"]);
     assert_eq!(wrong.code, 1, "{}", wrong.stderr);
-    assert!(
-        wrong.stdout.contains("this looks like proximal, rad and m: read so, the match is exact"),
-        "{}",
-        wrong.stdout
-    );
+    assert!(wrong.stdout.contains("this looks like proximal, rad and m: the match is then exact"), "{}", wrong.stdout);
     let headed = folder.file("headed.csv", &PANDA.replace("a (m)", "a_i-1").replace("alpha (rad)", "alpha_i-1"));
     let by_heading = denavit(&["table", &panda, "--tip", "panda_link8", "--match", &headed]);
     assert!(by_heading.code == 0 && !by_heading.stdout.contains("fits best"), "{}", by_heading.stdout);
@@ -132,12 +128,8 @@ fn a_mismatch_says_what_the_table_looks_like() {
     let slip = UR5E[0].1.replace("Alpha [deg]", "Alpha [rad]").replace("a (mm);d (mm)", "a (m);d (m)");
     let run = denavit(&["table", &ur5e, "--match", &folder.file("slip.csv", &slip)]);
     assert_eq!(run.code, 1, "{}", run.stderr);
-    assert!(
-        run.stdout.contains("this looks like distal, degrees and mm: read so, the match is exact"),
-        "{}",
-        run.stdout
-    );
-    // Another arm's table, in degrees that are stated to be rad: what it looks like is said, if nothing matches.
+    assert!(run.stdout.contains("this looks like distal, degrees and mm: the match is then exact"), "{}", run.stdout);
+    // Another arm's table, with degrees declared as rad: without a match the message says what the numbers look like.
     let other = denavit(&["table", &robot("abb/irb120.urdf"), "--match", &folder.file("slip.csv", &slip)]);
     assert_eq!(other.code, 1, "{}", other.stderr);
     assert!(other.stdout.contains("angles up to 90 rad look like degrees"), "{}", other.stdout);
@@ -177,7 +169,7 @@ fn our_own_markdown_reads_back() {
         let again = denavit_with_input(&[&["table", "-", "--format", "md"], style].concat(), &text).succeeded();
         let numbers = |text: &str| -> Vec<Vec<String>> {
             let rows = text.lines().filter(|line| line.starts_with('|') && !line.contains("---"));
-            // The limits behind the numbers stand in no table.
+            // No table has the limits that follow the numbers.
             rows.map(|row| row.split('|').take(8).map(|cell| cell.trim().to_owned()).collect()).collect()
         };
         assert_eq!(numbers(&again), numbers(&text), "{again}\n{text}");
@@ -286,7 +278,7 @@ fn latex_tables_fit_two_columns() {
     assert!(overfull.is_empty(), "{overfull:#?}");
 }
 
-/// A serial arm of so many joints about the axes given, in turn.
+/// A serial arm with this many joints, about the given axes in turn.
 fn long_arm(joints: usize, axes: &[&str]) -> String {
     let mut text = "<robot name='long'><link name='l0'/>".to_owned();
     for k in 1..=joints {
@@ -312,7 +304,7 @@ fn pages_of_long_arms_take_no_longer_than_they_are_long() {
             denavit(&["doc", &file, "-o", pages.to_str().unwrap()]).succeeded();
             start.elapsed().as_secs_f64()
         };
-        // When every sample and every word looked at all joints 50 of them took 25 s, and 400 would have taken half an hour.
+        // If every sample and every word visits all joints, 50 joints take 25 s and 400 half an hour.
         let (short, long) = (time(50), time(400));
         println!("{name}: 50 joints {short:.2} s, 400 joints {long:.2} s");
         assert!(long < 40.0, "{name}: {short} s, {long} s");
@@ -375,7 +367,7 @@ fn a_calibration_goes_to_its_makers_form_and_comes_back() {
     let added = std::fs::read_to_string(&added).unwrap();
     assert!(added.contains("geometric_calibration:\n") && added.contains("_dx: "), "{added}");
     let refused = denavit(&[&base[..], &["--out-for", "kinova", &path("kinova.yaml")]].concat()).failed();
-    assert!(refused.contains("in no form that is published"), "{refused}");
+    assert!(refused.contains("in an unpublished format"), "{refused}");
     let other = denavit(&[&base[..], &["--out-for", "ur", &path("ur.yaml")]].concat()).failed();
     assert!(other.contains("six revolute joints"), "{other}");
     assert!(!folder.0.path().join("kinova.yaml").exists() && !folder.0.path().join("ur.yaml").exists());

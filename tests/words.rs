@@ -1,9 +1,9 @@
-//! House rule: plain words. What people read - documents, messages, help, doc comments - is free of the phrases below.
+//! House rule: plain words. Documents, messages, help and doc comments do not use the phrases below.
 
 use crate::support::{own_files, top};
 use std::path::{Path, PathBuf};
 
-/// A phrase that is not written, and what is written instead. `*` is up to forty characters of one clause.
+/// A banned phrase, and what to write instead. `*` is up to forty characters of one clause.
 const BANNED: &[(&str, &str)] = &[
     ("mend", "fix"),
     ("mends", "fixes"),
@@ -56,7 +56,7 @@ const BANNED: &[(&str, &str)] = &[
     ("goes on", "continues"),
 ];
 
-/// Identifiers that say nothing to a reader who does not know the code.
+/// Identifiers that mean nothing to a reader who does not know the code.
 const BANNED_NAMES: &[&str] = &[
     "able",
     "climb",
@@ -75,21 +75,21 @@ const BANNED_NAMES: &[&str] = &[
     "wish",
 ];
 
-/// Types that are called by what happens to them: these words are names of values alone.
+/// Type names that describe what happens to the value: allowed only as names of values.
 const BANNED_TYPES: &[&str] = &["Asked", "Ground", "Held", "Taken", "Way"];
 
-/// Functions whose name says nothing without what follows.
+/// Function names that mean nothing without their arguments.
 const BANNED_FUNCTIONS: &[&str] = &["look", "made", "without"];
 
-/// Comments in these rooms are not read yet; their messages are.
-const COMMENTS_LATER: &[&str] = &["crates/identify/src", "crates/trace/src"];
+/// Folders whose comments are not checked yet; their messages are.
+const COMMENTS_LATER: &[&str] = &["crates/trace/src"];
 
-/// Text as one line, in which a phrase may go over a line's end: blanks between words are single.
+/// Text as one line with single blanks, because a phrase may cross a line's end.
 fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Whether a text has a phrase: whole words, its first letter large or small.
+/// Whether a text has a phrase: whole words, the first letter in upper or lower case.
 fn has(text: &str, phrase: &str) -> bool {
     if phrase == "x is none" {
         // "there is none" is plain English.
@@ -112,7 +112,7 @@ fn has(text: &str, phrase: &str) -> bool {
     })
 }
 
-/// What a part of a file is.
+/// Kind of a part of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Comment,
@@ -120,7 +120,7 @@ enum Kind {
     Name,
 }
 
-/// What people read of Rust code, with its line: comments, those of one block joined; strings; and identifiers.
+/// The parts of Rust code that people read, each with its line: comments, joined for each block; strings; and identifiers.
 fn read_of_rust(code: &str) -> Vec<(Kind, usize, String)> {
     let mut parts: Vec<(Kind, usize, String)> = Vec::new();
     let (mut rest, mut line, mut last_comment) = (code, 1, 0);
@@ -174,7 +174,7 @@ fn read_of_rust(code: &str) -> Vec<(Kind, usize, String)> {
     parts
 }
 
-/// How many marks open a raw string here.
+/// Number of `#` that open a raw string here.
 fn raw_string(text: &str) -> Option<usize> {
     let rest = text.strip_prefix('r')?;
     let marks = rest.len() - rest.trim_start_matches('#').len();

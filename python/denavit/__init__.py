@@ -57,8 +57,8 @@ from denavit.view import View, explore
 __version__ = _version("denavit")
 
 show_explorer: bool = False
-"""Whether robots, chains, diffs and fits show themselves in a notebook by the explorer, as `explore` does: three megabytes
-for each cell. Otherwise they show their text."""
+"""Whether a notebook shows robots, chains, diffs and fits in the explorer, as `explore` does: three megabytes
+for each cell. Otherwise it shows their text."""
 
 __all__ = [
     "ArgumentError",

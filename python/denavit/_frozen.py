@@ -1,4 +1,4 @@
-"""Objects that wrap native ones: made by functions of the package, never changed, equal by what they say."""
+"""Objects that wrap native ones: made by functions of the package, immutable, equal if their contents are equal."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 
 class Frozen:
-    """A value of slots that are set once; a subclass says in `_made_by` what makes it and in `_key` what it says."""
+    """A value of slots that are set once; a subclass states in `_made_by` how it is made and in `_key` its contents."""
 
     __slots__ = ()
     _made_by: ClassVar[str]
@@ -26,10 +26,10 @@ class Frozen:
         raise NotImplementedError
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a {type(self).__name__} does not change; {name} cannot be set")
+        raise AttributeError(f"a {type(self).__name__} is immutable; {name} cannot be set")
 
     def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"a {type(self).__name__} does not change; {name} cannot be deleted")
+        raise AttributeError(f"a {type(self).__name__} is immutable; {name} cannot be deleted")
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, type(self)) else NotImplemented

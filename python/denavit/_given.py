@@ -44,12 +44,12 @@ def array(name: str, value: Any) -> Any:
     """A C-contiguous array of float64.
 
     Raises:
-        ArgumentError: No array of numbers can be made of it.
+        ArgumentError: It cannot be converted to an array of numbers.
     """
     try:
         return np.asarray(value, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError) as error:
-        raise ArgumentError(f"{name} is no array of numbers ({error})") from None
+        raise ArgumentError(f"{name} is not an array of numbers ({error})") from None
 
 
 def is_frame(value: object) -> bool:
@@ -86,7 +86,7 @@ def _listed(column: Any) -> list[Any]:
 def joint_values(name: str, q: Any, joints: Sequence[str]) -> Any:
     """Joint values as an array whose last axis is in the order of the joints.
 
-    What has names (a data frame, a mapping, a series with labels) is put in order by them; columns that are no joints are left
+    Values with names (a data frame, a mapping, a series with labels) are sorted by them; columns that are not joints are left
     out. Arrays, and frames whose columns are numbers, are in order already.
 
     Raises:

@@ -58,7 +58,7 @@ class Coordinate:
 
 @dataclass(frozen=True, slots=True)
 class Solutions:
-    """What `Chain.ik` found: for each pose all branches, nearest to the start first, those outside of the limits last.
+    """The result of `Chain.ik`: for each pose all branches, nearest to the start first, those outside the limits last.
 
     Attributes:
         q: Joint values, rad and m, shape ``(..., branches, n)``; NaN where a pose has fewer branches than another. A pose that
@@ -92,7 +92,7 @@ class Chain(Shown, Frozen):
     """A chain of joints from a base link to a tip link; made by `Robot.chain`.
 
     Joint values are arrays whose last axis has one value for each of the n coordinates (rad, m): shape ``(n,)`` for one
-    configuration, ``(N, n)`` or more axes for many. Arrays of float64 that lie in order are not copied; the interpreter is
+    configuration, ``(N, n)`` or more axes for many. C-contiguous float64 arrays are not copied; the interpreter is
     unlocked while many configurations are computed.
 
     Examples:
@@ -106,7 +106,7 @@ class Chain(Shown, Frozen):
     """
 
     __slots__ = ("_native", "_robot")
-    _made_by = "a chain is one of a robot: use robot.chain(base, tip)"
+    _made_by = "a chain belongs to a robot: use robot.chain(base, tip)"
     _native: _denavit.Chain
     _robot: Robot
 
@@ -128,7 +128,7 @@ class Chain(Shown, Frozen):
 
     @property
     def robot(self) -> Robot:
-        """The robot that it is a chain of."""
+        """The robot of this chain."""
         return self._robot
 
     @property
@@ -148,7 +148,7 @@ class Chain(Shown, Frozen):
 
     @property
     def exact(self) -> bool:
-        """Whether every number was taken as it is written."""
+        """Whether every number was read exactly as written."""
         return self._native.exact
 
     @property
@@ -158,7 +158,7 @@ class Chain(Shown, Frozen):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The numbers that move it, in order."""
+        """The coordinates that move it, in order."""
         return tuple(Coordinate(*entry) for entry in self._native.coordinates())  # type: ignore[arg-type]
 
     @property
@@ -176,17 +176,17 @@ class Chain(Shown, Frozen):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was read otherwise than it is written."""
+        """What was read differently from what is written."""
         return tuple(self._native.notes)
 
     @property
     def tip_moves_at_most(self) -> float:
-        """The most by which what the notes describe moves the tip, m."""
+        """The largest motion of the tip due to what the notes describe, m."""
         return self._native.tip_moves_at_most
 
     @property
     def n(self) -> int:
-        """How many coordinates move it."""
+        """Number of coordinates."""
         return len(self)
 
     @property
@@ -240,11 +240,11 @@ class Chain(Shown, Frozen):
 
         Args:
             poses: base_from_tip, m, shape ``(..., 4, 4)``.
-            q0: Joint values that the first solution is to be near, rad and m; by default 0. Each next pose is sought next to the
-                first solution of the one before, so that a path keeps its branch.
+            q0: Joint values near which the first solution is searched, rad and m; by default 0. Each next pose starts from the
+                first solution of the previous one, so that a path keeps its branch.
 
         Raises:
-            ArgumentError: The shapes do not go together, a number is not finite, or an upper left part is no rotation.
+            ArgumentError: The shapes do not go together, a number is not finite, or an upper left part is not a rotation.
 
         Examples:
             >>> import denavit as dn
@@ -263,12 +263,12 @@ class Chain(Shown, Frozen):
         if values.shape != (n,):
             raise ArgumentError(f"q0 has shape {values.shape}; give one value for each of the {n} joints")
         if not np.isfinite(values).all():
-            raise ArgumentError("q0 has a number that is not finite")
+            raise ArgumentError("q0 contains a number that is not finite")
         given: list[float] = values.tolist()
         return given
 
     def tips(self, q: JointValues, out: Array | None = None, *, threads: int = 1) -> Array:
-        """Where the tip's origin is in the base frame, m, shape ``(..., 3)``; quicker than `fk`, and as exact."""
+        """Position of the tip's origin in the base frame, m, shape ``(..., 3)``; faster than `fk`, and as exact."""
         if type(q) is not np.ndarray:
             q = joint_values("q", q, self.joints)
         return self._native.tips(q, out, threads if threads == 1 else whole("threads", threads, 0, _MOST_THREADS))
@@ -322,7 +322,7 @@ class Chain(Shown, Frozen):
         Args:
             convention: How the numbers are grouped: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
                 (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``; by default as the source does, else ``distal``.
-            gauge: Choice that the geometry does not determine; by default as the source does, else the fewest numbers.
+            gauge: Rule for choices that the geometry does not determine; by default as the source does, else the fewest numbers.
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad; 0: none.
         """
         return Table._of(self, self._native.table(convention, gauge, tolerance), (convention, gauge, tolerance))
@@ -343,8 +343,8 @@ class Chain(Shown, Frozen):
     ) -> Plan:
         """Choose the poses to measure that make the robot best observable; `denavit plan`.
 
-        With ``tell_apart`` those that distinguish the possible causes of a fit; or where there is only one,
-        those that make its prediction surest.
+        With ``tell_apart`` it chooses those that distinguish the possible causes of a fit or, if there is only one,
+        those that make its prediction most certain.
 
         Args:
             count: Poses to choose.
@@ -353,14 +353,14 @@ class Chain(Shown, Frozen):
             spread: How many to spread.
             box: Box in which the target must stay, base frame, m: ``x0, x1, y0, y1, z0, z1``.
             target: Where the target sits on the tip, m.
-            anchor: Where the anchor of a distance instrument stands, base frame, m; by default the arm's size away.
+            anchor: Position of the anchor of a distance instrument, base frame, m; by default the arm's size away.
             prior: An earlier calibration of this robot, as a fit or as its JSON file: poses are chosen for what they add.
-            tell_apart: A fit of this chain. What is measured, and with which target, is then as in its last row; measure the
+            tell_apart: A fit of this chain. The kind of measurement and the target are then those of its last row; measure the
                 poses in their order, and append them to the rows of the fit.
             seed: Of the spread candidates and of the random poses that the plan is compared with.
 
         Raises:
-            ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument cannot be.
+            ArgumentError: Fewer candidates than poses are left within the limits and the box, or an argument is invalid.
         """
         from denavit.fit import earlier
         from denavit.run import plan
@@ -368,7 +368,7 @@ class Chain(Shown, Frozen):
 
         if tell_apart is not None:
             if measure != "positions" or tuple(target) != (0.1, 0.0, 0.1) or anchor is not None or prior is not None:
-                raise ArgumentError("tell_apart: leave out measure, target, anchor and prior; the fit has its own")
+                raise ArgumentError("tell_apart: leave out measure, target, anchor and prior; they come from the fit")
             if [c.name for c in tell_apart._chain.coordinates] != [c.name for c in self.coordinates]:
                 raise ArgumentError("tell_apart: this is a fit of a chain with other joints")
             return chosen_for(tell_apart, count, candidates, spread, box, seed)
@@ -409,9 +409,9 @@ class Chain(Shown, Frozen):
             seed: Same seed, same data.
             geometry_error: How far each axis is from its drawing, standard deviations: m and rad.
             noise: Of each measured component, standard deviations: m, and rad for poses.
-            outliers: Share of rows with a gross error of 5 to 50 mm.
+            outliers: Fraction of rows with a gross error of 5 to 50 mm.
             effect: Effects by name, place and strength, such as ``joint_compliance@elbow_joint=0.1mm``.
-            effects: A fit whose effects act, too.
+            effects: A fit whose effects are also simulated.
             columns: What is recorded beside the measurements: ``time``, ``temperature``, ``payload``, …
             camera: A camera measures, at random joint values in which it sees its board: its file of intrinsics, YAML as
                 ROS (``camera_info``) or OpenCV write it.
@@ -420,8 +420,8 @@ class Chain(Shown, Frozen):
             pixel_noise: Of each component of a pixel, standard deviation, px.
             range_noise: Along the instrument's line of sight beside `noise`, standard deviation, m.
             angle_noise: Of the direction in which the instrument sees the target beside `noise`, standard deviation, rad.
-            repeatability: How well joints come back to their readings, standard deviation, rad (m for slides): one number for
-                all, or a number for each joint that does not come back exactly, by name.
+            repeatability: Repeatability of the joints, standard deviation, rad (m for slides): one number for
+                all, or numbers by joint name.
 
         Examples:
             >>> import denavit as dn

@@ -1,4 +1,4 @@
-"""Joint commands that make up for the errors of a robot."""
+"""Joint commands that compensate a robot's errors."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Commands:
-    """Joint commands that reach poses with the robot as it is.
+    """Joint commands that reach poses with the real robot.
 
     Attributes:
         json: Everything, as ``denavit compensate --json`` prints it.
         csv: The commands as a file.
-        text: What is expected of them, in words; names the poses that are out of reach.
-        notes: What has no part in them.
+        text: The expected result as text; names the poses that are out of reach.
+        notes: What they do not take into account.
     """
 
     json: dict[str, Any]
@@ -48,17 +48,17 @@ class Commands:
 
     @property
     def nominal(self) -> Array:
-        """Joint values that the robot as drawn would need, rad and m, shape ``(N, n)``."""
+        """Joint values that the nominal robot would need, rad and m, shape ``(N, n)``."""
         return np.array([list(entry["nominal"].values()) for entry in self.json["commands"]], dtype=np.float64)
 
     @property
     def position_errors(self) -> Array:
-        """How far each command is expected to miss, m, shape ``(N,)``."""
+        """Expected position error of each command, m, shape ``(N,)``."""
         return self._column("position_error_m")
 
     @property
     def uncompensated(self) -> Array:
-        """How far the command of the robot as drawn would miss, m, shape ``(N,)``."""
+        """Position error of the nominal robot's command, m, shape ``(N,)``."""
         return self._column("uncompensated_m")
 
     @property
@@ -88,7 +88,7 @@ class Commands:
         return self.q.astype(dtype or np.float64, copy=False)
 
     def to_pandas(self) -> pd.DataFrame:
-        """A row each: joint values to command, rad and m, the state, and what is expected of it, m. Needs pandas."""
+        """One row per command: joint values, rad and m, the state, and the expected errors, m. Needs pandas."""
         import pandas as pd
 
         rest = {"state": self.states, "position_error_m": self.position_errors, "uncompensated_m": self.uncompensated}
@@ -110,7 +110,7 @@ def compensate(fit: Fit, poses: Any, given: Mapping[str, float], allowed_miss: t
 
 
 def pairs(given: Mapping[str, float] | None) -> list[tuple[str, float]]:
-    """What effects follow, as the native part takes it."""
+    """The quantities that effects depend on, for the native part."""
     return [(str(name), number(f"given[{name!r}]", value)) for name, value in (given or {}).items()]
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class TipDifference:
-    """How far a leaf link's frame is displaced, in the root frame.
+    """Displacement of a leaf link's frame, in the root frame.
 
     Attributes:
         tip: The link.
@@ -43,7 +43,7 @@ class JointDifference:
 
     Attributes:
         joint: Its name in a.
-        changes: What changed, as the JSON of ``denavit diff`` says it, each with its kind as ``change``.
+        changes: What changed, as in the JSON of ``denavit diff``, each with its kind as ``change``.
         renamed: Its name in b, where that is another.
         line: Line of its element in b's file.
     """
@@ -56,14 +56,14 @@ class JointDifference:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Diff(Shown):
-    """How two robots differ; shows itself as `denavit diff` prints it. True in conditions where they do differ.
+    """How two robots differ; shows itself as `denavit diff` prints it. True in conditions if they differ.
 
     Attributes:
         same: Whether they are the same within the tolerances.
         joints: Joints with changes, in a's order from the root.
         tips: Every leaf link that both have, by how far it moved.
         parts: Joints and links that only one of the two has, and what they carry, as in the JSON.
-        notes: What is without effect on motion: renamed, moved about.
+        notes: Changes without effect on motion, such as new names or another order.
         reports: The report in every format of `denavit diff`, by name: text, json, junit, sarif, github, markdown.
         robots: The two.
     """
@@ -110,7 +110,7 @@ def diff(
     samples: int = 4096,
     seed: int = 1,
 ) -> Diff:
-    """Say how two robots differ: per joint, and at the tips, sampled and bounded.
+    """Compare two robots: per joint, and at the tips, sampled and bounded.
 
     Args:
         a: The robot as it was: any source.
@@ -118,9 +118,9 @@ def diff(
         tolerance_m: Lengths closer than this are equal, m.
         tolerance_rad: Angles closer than this are equal, rad.
         only: ``kinematics``: no inertials, shapes, speeds and efforts.
-        up_to_base: Where and how the robot stands on its root link does not matter.
-        up_to_zeros: Joint zero offsets and senses do not matter.
-        count_names: Added, removed and renamed links, joints and frames matter, too.
+        up_to_base: Ignore the robot's pose on its root link.
+        up_to_zeros: Ignore joint zero offsets and senses.
+        count_names: Also count added, removed and renamed links, joints and frames.
         q_range: Range to sample instead of the joint limits, rad or m: one for all joints, or by name.
         samples: Configurations to sample.
         seed: Start of the low-discrepancy sequence.
@@ -177,10 +177,10 @@ def diff(
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Fingerprint:
-    """A short hash of what a robot is, blind to link frames; `str` gives what `denavit fingerprint` prints.
+    """A short hash of a robot that does not depend on link frames; `str` gives what `denavit fingerprint` prints.
 
     Attributes:
-        text: The whole of it.
+        text: The complete fingerprint.
         tolerance: Cell size: m, rad, and relative for masses.
         motion: Of axes, kinds, pitches, limits, couplings and empty leaf frames.
         matter: Of masses, shapes, speeds and efforts.
@@ -194,7 +194,7 @@ class Fingerprint:
     other_matters: tuple[str, ...] = ()
 
     def matches(self, written: str, *, only_motion: bool = False) -> bool:
-        """Whether a fingerprint that was written down is that of this robot, or of one that moves as it."""
+        """Whether a recorded fingerprint is that of this robot, or of one that moves in the same way."""
         return _denavit.fingerprint_matches(
             self.tolerance,
             self.motion,
@@ -213,7 +213,7 @@ class Fingerprint:
 
 
 def fingerprint(robot: Source, tolerance: float = 1e-6) -> Fingerprint:
-    """A short hash of what the robot is, to pin in a test.
+    """A short hash of the robot, to fix in a test.
 
     Examples:
         >>> import denavit as dn
@@ -229,7 +229,7 @@ def fingerprint(robot: Source, tolerance: float = 1e-6) -> Fingerprint:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that a rule found in a URDF.
+    """A finding of a rule in a URDF.
 
     Attributes:
         rule: Its code.
@@ -238,7 +238,7 @@ class Finding:
         line: The line, from 1.
         element: The element.
         message: What is wrong, and what to do.
-        fixable: Whether ``denavit check --fix`` can put it right.
+        fixable: Whether ``denavit check --fix`` can fix it.
     """
 
     rule: str
@@ -298,7 +298,7 @@ def check(
     config: str | os.PathLike[str] | None = None,
     package_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Check:
-    """Hold a URDF against numbered rules.
+    """Check a URDF against numbered rules.
 
     Args:
         source: A path, ``git:REVISION:PATH``, text, bytes, or a robot.
@@ -315,7 +315,7 @@ def check(
     """
     if isinstance(source, Robot) and source.urdf is None:
         raise ArgumentError(
-            f"{source.file} is no URDF, and the rules are about URDF files; check robot.canonical()", file=source.file
+            f"{source.file} is not a URDF, and the rules are about URDF files; check robot.canonical()", file=source.file
         )
     file, text = (source.file, source.urdf or "") if isinstance(source, Robot) else text_of(source, None)
     folders = [os.fspath(folder) for folder in package_path]

@@ -1,4 +1,4 @@
-"""Exceptions: each says what is wrong, where, and what to do."""
+"""Exceptions: each states what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class DenavitError(ValueError):
-    """Something that denavit was given cannot be used.
+    """An input of denavit cannot be used.
 
     Attributes:
         message: What is wrong, with the place and what to do.
@@ -14,7 +14,7 @@ class DenavitError(ValueError):
         line: Line in the file, from 1.
         column: Column in the line, from 1, in characters.
         element: The element, such as ``joint "elbow"``.
-        hint: What to do, where the message says it.
+        hint: What to do, if the message states it.
     """
 
     message: str
@@ -50,7 +50,7 @@ def _again(kind: type[DenavitError], message: str, place: dict[str, Any]) -> Den
 
 
 class ArgumentError(DenavitError):
-    """An argument that cannot be."""
+    """An invalid argument."""
 
 
 class ReadError(DenavitError, OSError):
@@ -58,11 +58,11 @@ class ReadError(DenavitError, OSError):
 
 
 class RobotError(DenavitError):
-    """A text that is no robot: no URDF, xacro, table, or set of screw axes."""
+    """A text that is not a robot: not a URDF, xacro, table, or set of screw axes."""
 
 
 class ChainError(DenavitError):
-    """A robot has no such chain."""
+    """The robot does not have this chain."""
 
 
 class ExportError(DenavitError):
@@ -74,11 +74,11 @@ class DataError(DenavitError):
 
 
 class CalibrationError(DenavitError):
-    """Measurements that give no calibration."""
+    """Measurements from which no calibration is possible."""
 
 
 class ManifestError(DenavitError):
-    """A fleet's manifest that cannot be followed."""
+    """A fleet's manifest that is invalid."""
 
 
 class StoreError(DenavitError):

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What a calibration left, as plain values: what is kept when it is pickled."""
+    """The results of a calibration as plain values: what pickling keeps."""
 
     json: str
     text: str
@@ -43,7 +43,7 @@ class Found:
 
     @classmethod
     def of(cls, native: _denavit.Fit) -> Found:
-        """Everything that a native fit says without being asked further."""
+        """All results of a native fit that need no further computation."""
         try:
             urdf: tuple[str, str, list[str]] | ExportError | None = native.urdf()
         except ExportError as error:
@@ -56,7 +56,7 @@ class Found:
 class Fit(Shown, Frozen):
     """A calibration's result; made by `calibrate`. Shows itself as `denavit calibrate` prints it.
 
-    A fit that was pickled keeps its results; `predict` and `report` of it fit once more when they are first called.
+    A pickled fit keeps its results; its `predict` and `report` repeat the fit when they are first called.
     """
 
     __slots__ = ("_asked", "_chain", "_found", "_json", "_native")
@@ -102,7 +102,7 @@ class Fit(Shown, Frozen):
         """The calibrated robot: the URDF with its joint origins corrected, or screw axes where the source is no URDF.
 
         Raises:
-            ExportError: A URDF has no place for what was fitted (scales, pitches); `chain` has it.
+            ExportError: A URDF cannot state what was fitted (scales, pitches); `chain` has it.
         """
         file = f"{self._chain.robot.file} (calibrated)"
         if isinstance(self._found.urdf, ExportError):
@@ -111,7 +111,7 @@ class Fit(Shown, Frozen):
 
     @property
     def chain(self) -> Chain:
-        """The calibrated chain, effects left out."""
+        """The calibrated chain, without effects."""
         urdf = self._found.urdf
         if urdf is None or isinstance(urdf, ExportError):
             return load(self._found.poe, file=f"{self._chain.robot.file} (calibrated)").chain(exact=True)
@@ -124,7 +124,7 @@ class Fit(Shown, Frozen):
 
     @property
     def parameters(self) -> Records[Parameter]:
-        """How far each axis of the calibrated robot is from its drawing."""
+        """Deviation of each axis of the calibrated robot from its nominal."""
         return Records(Parameter._of(entry) for entry in self._json["parameters"])
 
     @property
@@ -139,7 +139,7 @@ class Fit(Shown, Frozen):
 
     @property
     def curves(self) -> dict[str, Curve]:
-        """The error curve of each joint; 0 where the calibration has none of it (``effects="curves"`` looks for them)."""
+        """The error curve of each joint; 0 where the calibration has none (``effects="curves"`` searches for them)."""
         entries = {entry["joint"]: entry for entry in self._json.get("curves", ())}
         coordinates = self._chain.coordinates
         return {c.name: Curve._of(c, entries.get(c.name), self._chain, self._found.effects) for c in coordinates}
@@ -151,7 +151,7 @@ class Fit(Shown, Frozen):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known of the data, and of the calibrated URDF."""
+        """Notes on the data and on the calibrated URDF."""
         urdf = self._found.urdf
         return self._found.notes + (tuple(urdf[2]) if isinstance(urdf, tuple) else ())
 
@@ -171,7 +171,7 @@ class Fit(Shown, Frozen):
         return held_out if test else train
 
     def fk(self, q: ArrayLike, *, given: Mapping[str, float] | None = None) -> Array:
-        """Where the tip is: base_from_tip of the calibrated robot with its effects and error curves; nothing measured is needed.
+        """Predict base_from_tip of the calibrated robot with its effects and error curves; needs no measurements.
 
         Args:
             q: Joint values, rad and m, shape ``(..., n)``.
@@ -181,7 +181,7 @@ class Fit(Shown, Frozen):
             Homogeneous matrices, m, shape ``(..., 4, 4)``.
 
         Raises:
-            ArgumentError: An effect follows what is not given.
+            ArgumentError: A quantity that an effect depends on is not given.
         """
         values = array("q", joint_values("q", q, self._chain.joints))
         n = len(self._chain)
@@ -202,7 +202,7 @@ class Fit(Shown, Frozen):
 
         Raises:
             DataError: The rows cannot be read.
-            CalibrationError: They are of another kind, or of targets that nothing places.
+            CalibrationError: They are of another kind, or of targets whose position is unknown.
         """
         errors, residuals = self._fitted().predict(measurements("later", later, self._chain)._given())
         return Prediction(json.loads(errors), Residuals(*residuals))
@@ -214,7 +214,7 @@ class Fit(Shown, Frozen):
         given: Mapping[str, float] | None = None,
         allowed_miss: tuple[float, float] = (1e-6, 1e-6),
     ) -> Commands:
-        """Joint commands that reach poses with the robot as it is, effects included; `denavit compensate`.
+        """Joint commands that reach poses with the real robot, effects included; `denavit compensate`.
 
         Args:
             poses: base_from_tip to reach, m, shape ``(N, 4, 4)``; or joint values of shape ``(N, n)``, which stand for the
@@ -223,7 +223,7 @@ class Fit(Shown, Frozen):
             allowed_miss: How far a command may miss its pose and still count as reaching it, m and rad.
 
         Raises:
-            ArgumentError: An effect follows what is not given; the poses are none.
+            ArgumentError: A quantity that an effect depends on is not given, or the poses are invalid.
         """
         return compensate(self, poses, given or {}, allowed_miss)
 
@@ -273,15 +273,15 @@ def calibrate(
     prior: str | os.PathLike[str] | Fit | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Fit:
-    """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C ends it at once.
+    """Calibrate a chain from measured data; `denavit calibrate`. Ctrl-C stops it at once.
 
     Args:
         chain: The chain as drawn; of a robot, or of a source that `load` takes, the chain that it takes where none is named.
         data: Measurements to fit: `Measurements`, a file, a data frame, a mapping of columns, or a pair of arrays, joint values
-            ``(N, n)`` and positions ``(N, 3)``. Where the instrument stands and where the target sits is found. Several in a
+            ``(N, n)`` and positions ``(N, 3)``. The poses of instrument and target are estimated. Several in a
             list are several setups: each has its own instrument frame and targets.
         test: Test data, never fitted; sockets in it are new places.
-        hold_out: Without `test`: share of the rows to hold out.
+        hold_out: Without `test`: fraction of the rows to hold out.
         hold_out_setups: Setups, or placements of sockets, to hold out.
         tips: Several tips of the robot that are measured, the chain's among them, such as both hands: they are one fit, and
             joints that they share are fitted once. A column ``tip`` of the data names the tip of each row.
@@ -291,24 +291,24 @@ def calibrate(
             them with ``Measurements.read(file, socket=label)`` and give them as `data`.
         distance: Known distances between sockets: ``"front/0,front/1=50mm"``, or ``"*/0,*/1=50mm"`` for every placement; how
             sure one is may follow as ``+-0.1mm``.
-        effects: Effects to look for behind the geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
+        effects: Effects to search for besides geometry: ``"auto"``, kinds such as ``["backlash"]``, ``"curves"`` (error curves
             of the joints alone), or ``None``.
-        max_effects: No more effects than this; by default as many as the evidence selects.
+        max_effects: No more effects than this; by default as many as the data support.
         mass: Mass of all moving links, kg, as on the data sheet, where the description has no masses.
-        scales: Joints whose scale is fitted, too (the paper's normalisation factor): names, or ``"all"``.
-        pitches: Revolute joints whose pitch is fitted, too: names, or ``"all"``.
-        zeros: Joints whose zeros are fitted, and no axis or effect: names, or ``"all"``. ``fit.parameters["elbow_joint.zero"]``
+        scales: Joints whose scale is also fitted (the paper's normalisation factor): names, or ``"all"``.
+        pitches: Revolute joints whose pitch is also fitted: names, or ``"all"``.
+        zeros: Joints of which only the zeros are fitted: names, or ``"all"``. ``fit.parameters["elbow_joint.zero"]``
             is what is added to the joint's reading, rad or m.
         gear_ratio: Motor turns per joint turn, by joint.
         prior: An earlier calibration of this robot to continue from, as a fit or as the JSON file that ``Fit.save`` or
             ``denavit calibrate --json`` wrote: what it knows of the axes replaces the drawing's tolerances, and its effects
             and error curves are carried over (unless `effects` is ``None``), so that a few new poses bring the robot up to date.
-        progress: Called with what is going on, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
+        progress: Called with the current step, ``geometry``, ``effects``, ``curves``, ``judgement``; an exception that it
             raises ends the fit. By default it is shown in a notebook and on a terminal.
 
     Raises:
         DataError: The measurements cannot be read; `file`, `line` and `hint` say more.
-        CalibrationError: They give no calibration.
+        CalibrationError: No calibration is possible from them.
 
     Examples:
         >>> import denavit as dn

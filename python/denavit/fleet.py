@@ -27,7 +27,7 @@ def __dir__() -> list[str]:
 
 
 _TRIES = 5
-"""A job whose worker or node is lost is begun again as often."""
+"""How often a job whose worker or node is lost is restarted."""
 
 _AHEAD = 2
 """Jobs that an engine holds for each core, so that none waits for this process."""
@@ -62,9 +62,9 @@ class Run:
         done: Computed now.
         known: Found in the store.
         failed: Rows with an error among those computed now.
-        replaced: Runs of older inputs or options that were taken out of the store.
+        replaced: Runs of older inputs or options that were removed from the store.
         failures: The rows with an error.
-        lost: Entries whose workers died each time: nothing of them is in the store, and the next run does them again.
+        lost: Entries whose workers died each time: the store has no result of them, and the next run repeats them.
     """
 
     store: Path
@@ -91,15 +91,15 @@ def run(
     threads: int = 0,
     progress: Callable[[int, int, str], object] | None = None,
 ) -> Run:
-    """Do what a manifest asks for over all its robots, and keep what was found in a store.
+    """Run a manifest over all its robots, and store the results.
 
     Store and keys are those of ``denavit fleet run``, and so is every number to the bit, whatever the engine and however many
-    workers there are; only ``seconds`` differs. Work that is finished is not done again. This process alone writes the store;
+    workers there are; only ``seconds`` differs. Finished work is not repeated. Only this process writes the store;
     it may be stopped or killed at any moment and continues when it is called again.
 
     With ``"ray"`` and ``"dask"`` every worker must see the files of the manifest under the same names as this process, and have
-    the same version of denavit; what it sees is compared by the key of each job. The store's folder is this machine's alone. A
-    job whose worker or node is lost is begun again on another, five times on Ray, ``distributed.scheduler.allowed-failures``
+    the same version of denavit; the key of each job checks this. Only this machine uses the store's folder. A
+    job whose worker or node is lost is restarted on another, five times on Ray, ``distributed.scheduler.allowed-failures``
     times on Dask.
 
     Args:
@@ -107,13 +107,13 @@ def run(
         store: Folder of the store, made where there is none.
         engine: ``"embedded"``, threads of this process; ``"ray"``, the cluster that ``ray.init`` has connected to, else that of
             ``RAY_ADDRESS``, else one on this machine; ``"dask"``, the last ``distributed.Client``, else one on this machine.
-        set: Words of the manifest for every entry that does not say otherwise, such as ``{"effects": "none"}``.
+        set: Settings of the manifest for every entry that does not state its own, such as ``{"effects": "none"}``.
         threads: Of the embedded engine; 0 takes every core.
-        progress: Called with how many entries are through, of how many, and the robot. An exception that it raises breaks the
+        progress: Called with the number of finished entries, the total, and the robot. An exception that it raises stops the
             run off.
 
     Raises:
-        ManifestError: The manifest cannot be followed.
+        ManifestError: The manifest is invalid.
         StoreError: The store cannot be written, another run holds it, or a worker sees other files than this process.
     """
     words = [(str(name), str(value)) for name, value in (set or {}).items()]
@@ -123,7 +123,7 @@ def run(
         if engine not in _ENGINES:
             raise ArgumentError(f'engine is "{engine}"; write "embedded", "ray" or "dask"')
         if threads:
-            raise ArgumentError(f'threads is {threads}; with engine="{engine}" the cluster says how many jobs run at a time')
+            raise ArgumentError(f'threads is {threads}; with engine="{engine}" the cluster sets how many jobs run at a time')
         deal = _ENGINES[engine]()
         ledger = _denavit.FleetLedger(os.fspath(manifest), words, Path(store))
         try:
@@ -133,7 +133,7 @@ def run(
 
 
 _Results = Generator[tuple[int, _Found | DenavitError | str], None, None]
-"""The place of each job, and what it found, what is wrong, or in words why it came to nothing."""
+"""The index of each job, and its result, its error, or the reason in words why it has no result."""
 
 _Deal = Callable[[list[str]], _Results]
 """Hands jobs to an engine."""
@@ -183,12 +183,12 @@ def _run(report: str, lost: list[Failed] | None = None) -> Run:
 
 
 def _compute(folder: str, job: str) -> _Found | DenavitError:
-    """In a worker. What is wrong is handed back rather than raised: engines wrap exceptions, or begin again."""
+    """Runs in a worker. Errors are returned, not raised: engines wrap exceptions, or restart."""
     if Path.cwd() != Path(folder):
         try:
             os.chdir(folder)
         except OSError as why:
-            return ArgumentError(f"{folder}: a worker cannot go to this folder, which the run was begun in: {why.strerror}")
+            return ArgumentError(f"{folder}: a worker cannot change to this folder, in which the run was started: {why.strerror}")
     try:
         return _denavit.fleet_compute(job)
     except DenavitError as wrong:
@@ -285,7 +285,7 @@ def _imported(name: str) -> Any:
 
 @contextmanager
 def _told(called: Callable[[int, int, str], object] | None) -> Iterator[Callable[[int, int, str], object] | None]:
-    """What to tell of each entry that ends: what was asked for, else a line where somebody looks."""
+    """The progress function for each entry that ends: the caller's, else a line in an interactive session."""
     if called is not None:
         yield called
         return

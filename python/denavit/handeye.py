@@ -1,4 +1,4 @@
-"""Where the instrument and the target are, from pairs of poses alone."""
+"""Hand-eye calibration: the poses of instrument and target from pairs of poses only."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class HandEye:
         base_std: Standard deviations of x, y, z (m) and of turns about x, y, z (rad), shape ``(6,)``.
         tip_std: The same of `tip`.
         rejected: Rows that were left out as gross outliers, shape ``(N,)``.
-        unknown: What the poses leave open, in words; ``None`` where they tell everything.
+        unknown: What the poses do not determine, in words; ``None`` if they determine everything.
     """
 
     on_hand: bool
@@ -43,7 +43,7 @@ class HandEye:
 
     @property
     def instrument(self) -> Array:
-        """Where the instrument is: in the base frame, or in the tip's where it is on the hand; shape ``(4, 4)``."""
+        """Pose of the instrument in the base frame, or in the tip frame if it is on the hand; shape ``(4, 4)``."""
         return self.tip if self.on_hand else self.base
 
     def to_json(self) -> dict[str, Any]:
@@ -60,10 +60,10 @@ def hand_eye(robot: ArrayLike, seen: ArrayLike, *, on_hand: bool = False) -> Han
     Args:
         robot: base_from_tip at each standstill, m, shape ``(N, 4, 4)``.
         seen: instrument_from_target there, m, shape ``(N, 4, 4)``.
-        on_hand: The instrument is on the hand and the target stands; otherwise the other way round.
+        on_hand: The instrument is on the hand and the target is fixed; otherwise the other way round.
 
     Raises:
-        ArgumentError: The shapes do not go together, there are fewer than three poses, or robot and instrument do not move alike.
+        ArgumentError: The shapes do not match, there are fewer than three poses, or the motions do not agree.
 
     Examples:
         >>> import denavit as dn

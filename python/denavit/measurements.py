@@ -1,4 +1,4 @@
-"""Measurement files: joint readings and what an instrument saw, row by row."""
+"""Measurement files: joint readings and instrument readings, row by row."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Columns = Mapping[str, str | Sequence[str] | Mapping[str, str | Sequence[str]]]
-"""A map of columns as Python holds it: what a TOML file of it says."""
+"""A map of columns in Python: the contents of its TOML file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """What is said of the columns of an export beside its own text.
+    """Descriptions of an export's columns that its text does not contain.
 
     Attributes:
         columns: A map of columns: the file that it is from and its text.
@@ -62,14 +62,14 @@ class Measurements:
     CSV with a column per joint, named as in the URDF, and ``x,y,z`` of a target on the tip, or ``x,y,z,qx,qy,qz,qw``, or
     ``x1,y1,z1,x2,…`` of several targets, or ``distance`` from a fixed anchor, or ``socket``, the label of the socket that a ball
     on the tip sits in. `time`, `temperature`, `payload`, `JOINT.approach` and other numeric columns are what effects may
-    follow. Other forms (semicolons, UTF-16, a workbook, …) are brought into this one where `docs/measurements.md` says so.
-    Columns are compared with a chain when they are used: what is wrong then raises `DataError`, with file and line.
+    follow. Other forms (semicolons, UTF-16, a workbook, …) are converted as described in `docs/measurements.md`.
+    Columns are checked against a chain when they are used: errors then raise `DataError`, with file and line.
 
     Attributes:
         content: The file: text, or bytes of a workbook or of text in another encoding than UTF-8.
         file: What messages call it.
         units: Of lengths (m, mm, um, in) and angles (rad, mrad, deg), such as ``mm,deg``.
-        told: What its columns are, where their names do not say so.
+        told: The meaning of columns whose names do not state it.
         socket: The label of the socket that the ball sits in, where the file is bare joint readings.
 
     Examples:
@@ -110,7 +110,7 @@ class Measurements:
         Args:
             path: The file.
             units: Of columns that name none.
-            columns: Which column is what, where names do not say so: a TOML file, ``"x=X1,y=Y1,z=Z1"``, or a mapping such as
+            columns: The meaning of columns whose names do not state it: a TOML file, ``"x=X1,y=Y1,z=Z1"``, or a mapping such as
                 ``{"x": "PX", "joints": ["A1", "A2"], "euler": {"order": "ZYX", "columns": ["A", "B", "C"]}}``.
             euler: Columns of angles (``roll,pitch,yaw``; ``rx,ry,rz``; ``A,B,C``; ``W,P,R``) are turns in this order: ``XYZ``
                 about the axes as they turn along (intrinsic), ``xyz`` about fixed axes (extrinsic).
@@ -137,9 +137,9 @@ class Measurements:
         orders = {"euler": euler, "quaternion": quaternion, "rotation_vector": rotation_vector or None}
         several = [name for name, value in orders.items() if value is not None]
         if len(several) > 1:
-            raise ArgumentError(f"{' and '.join(several)} exclude each other; an orientation has one form")
+            raise ArgumentError(f"{' and '.join(several)} exclude each other; an orientation has only one form")
         if socket is not None and (several or not (columns is joints is camera is plate is None)):
-            raise ArgumentError(f"readings in the socket {socket!r} are joint values alone; leave what is said of columns out")
+            raise ArgumentError(f"readings in the socket {socket!r} are only joint values; leave out descriptions of columns")
         file, content = _denavit.read_bytes(os.fspath(path))
         program = None if joints is None else _denavit.read_text(os.fspath(joints))
         lens = camera_file(camera, board, on_hand)
@@ -155,9 +155,9 @@ class Measurements:
         joint_topic: str | None = None,
         target_topic: str | None = None,
     ) -> Measurements:
-        """Take the standstills of a ROS 2 bag, a row each; see `docs/bags.md`.
+        """Read the standstills of a ROS 2 bag, one row each; see `docs/bags.md`.
 
-        Lines that begin with ``#`` at the head of `text` say what was found: how many standstills, and how far the clocks are
+        Lines that begin with ``#`` at the head of `text` state what was found: how many standstills, and how far the clocks are
         apart.
 
         Args:
@@ -167,7 +167,7 @@ class Measurements:
             target_topic: The topic of the target, where there are several; ``/tf:PARENT/CHILD`` names a transform.
 
         Raises:
-            DataError: A bag that cannot be read, that does not say which topics are meant, or in which nothing stands still.
+            DataError: The bag cannot be read, its topics are ambiguous, or the robot never stands still.
         """
         file = os.fspath(path)
         rows, notes = _denavit.bag_rows(file, chain._native, joint_topic, target_topic)
@@ -179,7 +179,7 @@ class Measurements:
     ) -> Measurements:
         """Take columns by name: arrays or lists of one length, or a value alone where all rows share it.
 
-        `None` and NaN are what was not measured.
+        `None` and NaN mean not measured.
 
         Raises:
             ArgumentError: The columns are not of one length.
@@ -192,7 +192,7 @@ class Measurements:
         if len(lengths) != 1:
             found = ", ".join(f"{name} {len(values)}" for name, values in lists.items() if values is not None) or "none"
             raise ArgumentError(
-                f"columns of measurements need one length, and these have: {found}; give one value per row", file=file
+                f"columns of measurements need one length, but have: {found}; give one value per row", file=file
             )
         (rows,) = lengths
         full = [[columns[name]] * rows if values is None else values for name, values in lists.items()]
@@ -240,7 +240,7 @@ class Measurements:
 
     @classmethod
     def from_pandas(cls, frame: pd.DataFrame, units: str | None = None, file: str = "<data frame>") -> Measurements:
-        """Take a data frame's columns, and its index where that has a name; what is missing is what was not measured.
+        """Take a data frame's columns, and its index if it has a name; missing values mean not measured.
 
         Headings are read as those of a CSV file: ``elbow_joint (deg)``, ``X [mm]``.
 
@@ -250,7 +250,7 @@ class Measurements:
             file: What messages call it.
         """
         if not is_frame(frame):
-            raise ArgumentError(f"a {type(frame).__name__} is no data frame; give one, or columns to from_columns")
+            raise ArgumentError(f"a {type(frame).__name__} is not a data frame; give one, or use from_columns")
         attributes = getattr(frame, "attrs", {})
         stated = attributes.get("units") if isinstance(attributes, Mapping) else None
         columns = {str(name): values for name, values in frame_columns(frame, file)}
@@ -283,14 +283,15 @@ class Measurements:
             for name, text in row.items():
                 if text and not _is_number(text):
                     raise DataError(
-                        f"{self.file}: row {at}, column {name!r} is {text!r}, no number; to_pandas() keeps texts", file=self.file
+                        f"{self.file}: row {at}, column {name!r} is {text!r}, not a number; to_pandas() keeps texts",
+                        file=self.file,
                     )
             rows.append([float(text) if text else np.nan for text in row.values()])
         return np.array(rows, dtype=dtype or np.float64)
 
     @property
     def text(self) -> str:
-        """The cells as CSV, as they stand in the file; of a CSV file, the file itself.
+        """The cells as CSV, as in the file; for a CSV file, the file itself.
 
         Raises:
             DataError: A workbook that cannot be read.
@@ -312,7 +313,7 @@ class Measurements:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns, as they stand in the file; none of readings in a socket."""
+        """Names of the columns, as in the file; none for readings in a socket."""
         if self.socket is not None:
             return ()
         return tuple(name.strip() for name in next(self._rows(), []))
@@ -347,7 +348,7 @@ class Measurements:
 
 
 def measurements(name: str, data: Any, chain: Chain) -> Measurements:
-    """Measurements from what people give as such: a file, a data frame, a mapping of columns, arrays, a simulated run.
+    """Measurements from any accepted form: a file, a data frame, a mapping of columns, arrays, a simulated run.
 
     Raises:
         ArgumentError: None of these.
@@ -396,7 +397,7 @@ def camera_file(camera: str | os.PathLike[str] | None, board: str | None, on_han
     if camera is not None:
         return _denavit.read_text(os.fspath(camera))
     if board is not None or on_hand:
-        raise ArgumentError(f"{'board' if board is not None else 'on_hand'} speaks of a camera; name its intrinsics as camera")
+        raise ArgumentError(f"{'board' if board is not None else 'on_hand'} needs a camera; give its intrinsics as camera")
     return None
 
 

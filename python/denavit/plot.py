@@ -32,7 +32,7 @@ class Plots:
         return ax
 
     def effects(self, ax: Any = None) -> Any:
-        """Each effect's coefficients over their standard deviations; where there are error curves, these."""
+        """Each effect's coefficients divided by their standard deviations; the error curves, if there are any."""
         ax = _axes(ax)
         curves = [(curve, curve.range) for curve in self.fit.curves.values() if curve.range is not None]
         if curves:

@@ -1,4 +1,4 @@
-"""What a calibration is at, shown below a notebook's cell or on the terminal."""
+"""The progress of a calibration, shown below a notebook's cell or on the terminal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SENTENCES = {
 
 @contextmanager
 def shown() -> Iterator[Callable[[str], object] | None]:
-    """A function that shows what it is called with and takes it away at the end; ``None`` where nobody looks."""
+    """A function that shows its argument and removes it at the end; ``None`` outside interactive sessions."""
     if (cell := _cell()) is not None:
         yield cell
         cell("")

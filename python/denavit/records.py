@@ -24,18 +24,18 @@ T = TypeVar("T", bound=Entry)
 
 
 class Records(tuple[T, ...]):
-    """A tuple of results of one sort that shows itself as a table."""
+    """A tuple of results of one kind that shows itself as a table."""
 
     __slots__ = ()
 
     def to_pandas(self) -> pd.DataFrame:
-        """A data frame with a row each. Needs pandas."""
+        """A data frame with one row per result. Needs pandas."""
         import pandas as pd
 
         return pd.DataFrame.from_records(self.rows())
 
     def rows(self) -> list[dict[str, Any]]:
-        """A dictionary each; what a result has by name is spread out."""
+        """One dictionary per result, with its named values as separate entries."""
         return [_flat(entry) for entry in self]
 
     def _cells(self) -> list[list[str]]:
@@ -64,14 +64,14 @@ def html_table(cells: list[list[str]]) -> str:
 
 
 _SMALL = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
-"""How people read small lengths and angles."""
+"""Display units of small lengths and angles."""
 
 _WITH_UNIT = ("change", "sd", "interval", "value")
 """Numbers of a row that are in its ``unit``."""
 
 
 def people(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row as people read it: mm and mrad in place of m and rad, with the names that say so."""
+    """A row for display: mm and mrad instead of m and rad, with matching names."""
     out: dict[str, Any] = {}
     own = _SMALL.get(str(row.get("unit")))
     for name, value in row.items():

@@ -1,4 +1,4 @@
-"""What a calibration says, part by part."""
+"""The results of a calibration, part by part."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Errors:
         stage: ``nominal``, ``geometric``, ``geometric + <kind>(<where>)`` …
         train: On the fitted rows, rejected ones left out.
         test: On the held-out rows; empty without any.
-        adopted: Whether this is the calibrated robot that is handed on.
+        adopted: Whether this stage is the calibrated robot.
     """
 
     stage: str
@@ -42,16 +42,16 @@ class Errors:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A number of the calibrated robot beside its drawing.
+    """A parameter of the calibrated robot compared with its nominal value.
 
     Attributes:
         name: Such as ``elbow_joint.turn_x``.
         joint: Its joint.
-        change: How far it is from the drawing, in `unit`.
+        change: Deviation from the nominal value, in `unit`.
         sd: Standard deviation of that, the prior included.
         interval: Half the width of the interval that holds the true value with 95 %.
         unit: ``rad``, ``m``, ``m/rad`` or ``1``.
-        held_by_prior: How much of the spread is the prior's: 1 where the data say nothing.
+        held_by_prior: Fraction of the variance from the prior: 1 if the data do not determine it.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Coefficient:
 
 @dataclass(frozen=True, slots=True)
 class Rival:
-    """What the data cannot tell an effect from.
+    """An alternative that the data cannot distinguish from an effect.
 
     Attributes:
         kind: Its kind.
@@ -119,7 +119,7 @@ class Effect:
         sd: Its standard deviation; ``None`` where none is stated.
         unit: SI.
         probability: That it acts; ``None`` where the calibration states none.
-        rivals: What the data cannot tell it from.
+        rivals: Alternatives that the data cannot distinguish from it.
         coefficients: All coefficients.
         covariate: The recorded quantity that drives it.
         p_value: As in the JSON of the calibration; ``None`` where it states none.
@@ -165,9 +165,9 @@ def _rival(entry: dict[str, Any]) -> Rival:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """The error of a joint's value as a smooth function of its own reading, no cause claimed; call it with readings.
+    """The error of a joint's value as a smooth function of its own reading, whatever its cause; call it with readings.
 
-    A joint has one in every fit. Where none was looked for, or none was selected, it is 0 and its standard deviation is
+    Every joint of a fit has one. Where none was searched for or selected, it is 0 and its standard deviation is
     not known.
 
     Attributes:
@@ -175,9 +175,9 @@ class Curve:
         fitted: Whether the calibration has a curve of this joint.
         unit: Of readings and errors: ``rad`` or ``m``.
         rms: Root mean square over the range of the data, about the mean.
-        length: How far apart readings must be for the curve to differ.
+        length: Distance of readings over which the curve changes.
         range: Lowest and highest reading in the data.
-        sd_without_data: How unsure the curve is where no data were: there it is taken as 0.
+        sd_without_data: Standard deviation of the curve far from the data, where the curve is 0.
     """
 
     joint: str
@@ -200,7 +200,7 @@ class Curve:
         return cls(entry["joint"], True, entry["unit"], *numbers, chain, effects)
 
     def __call__(self, q: ArrayLike) -> Array:
-        """What is added to readings `q` (rad, m; any shape) to have the joint's true value; 0 far from the data."""
+        """The correction to add to readings `q` (rad, m; any shape) to get the joint's true value; 0 far from the data."""
         return self._at(q)[0]
 
     def sd(self, q: ArrayLike) -> Array:
@@ -224,11 +224,11 @@ def effects_of(chain: Chain, text: str) -> _denavit.Effects:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A quantity that explains part of what is left.
+    """A quantity that explains part of the residuals.
 
     Attributes:
         of: A joint, a recorded quantity, or ``run order``.
-        share: Share of what is left (sum of squares) that functions of it explain.
+        share: Fraction of the residual sum of squares that functions of it explain.
     """
 
     of: str
@@ -240,7 +240,7 @@ class Unexplained:
     """What no effect explains.
 
     Attributes:
-        structured: Whether what is left has structure.
+        structured: Whether the residuals have structure.
         p_value: Probability of such structure by chance.
         places: Where it is, the largest share first.
     """
@@ -263,7 +263,7 @@ class Residuals:
 
     Attributes:
         rows: Index of each observation's row among the rows of its part, shape ``(k,)``.
-        place: Errors of the lengths, m, shape ``(k, 3)``; what is one number is in the first column.
+        place: Errors of the lengths, m, shape ``(k, 3)``; a single number is in the first column.
         turn: Errors of the orientation as rotation vectors, rad, shape ``(k, 3)``; 0 where none is measured.
     """
 
@@ -324,7 +324,7 @@ class Residuals:
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """Rows measured later beside the calibrated model.
+    """Rows measured later, compared with the calibrated model.
 
     Attributes:
         errors: Numbers by name, such as ``position_rms_m``; m and rad.

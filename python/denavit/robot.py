@@ -34,7 +34,7 @@ class ChainListing:
         base: Base link.
         tip: Tip link.
         coordinates: Names of the joints that move it, in order.
-        default: Whether it is the one that `Robot.chain` takes where none is named.
+        default: Whether it is the default of `Robot.chain`.
     """
 
     base: str
@@ -44,9 +44,9 @@ class ChainListing:
 
 
 class Robot(Shown, Frozen):
-    """A robot as its source gives it; made by `load`.
+    """A robot as its source describes it; made by `load`.
 
-    Robots are values: they do not change, can be pickled, and are equal where their sources read the same.
+    Robots are values: they are immutable, can be pickled, and are equal if their sources are equal.
 
     Examples:
         >>> import denavit as dn
@@ -58,7 +58,7 @@ class Robot(Shown, Frozen):
     """
 
     __slots__ = ("_made", "_native", "_origin")
-    _made_by = "a robot is read, not made: use denavit.load"
+    _made_by = "a robot is read from a source: use denavit.load"
     _native: _denavit.Robot
     _origin: Origin
     _made: tuple[str, ...]
@@ -87,12 +87,12 @@ class Robot(Shown, Frozen):
 
     @property
     def name(self) -> str:
-        """The robot's name; empty where the source gives none."""
+        """The robot's name; empty if the source has none."""
         return self._native.name
 
     @property
     def file(self) -> str:
-        """What messages call its source."""
+        """The name of its source in messages."""
         return self._native.file
 
     @property
@@ -112,7 +112,7 @@ class Robot(Shown, Frozen):
 
     @property
     def _self_contained(self) -> str:
-        """The text with convention and units that were given beside it; of a table only they are."""
+        """The text together with the given convention and units (only tables have these)."""
         *_, convention, units = self._origin
         if self.kind != "table" or self.text.lstrip().startswith("{"):
             return self.text
@@ -121,7 +121,7 @@ class Robot(Shown, Frozen):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was read otherwise than it is written; of a canonical robot also what its making changed."""
+        """What was read differently from what is written; for a canonical robot also what the conversion changed."""
         return (*self._native.notes, *self._made)
 
     @property
@@ -133,12 +133,12 @@ class Robot(Shown, Frozen):
         """The chain between two links.
 
         Args:
-            base: Link that it starts at; by default the root, or the link below the last floating joint.
-            tip: Link that it ends at; by default the end of the longest actuated chain.
-            exact: Take every number as it is written: no angle is read as the multiple of π that it was meant for.
+            base: First link; by default the root, or the link below the last floating joint.
+            tip: Last link; by default the end of the longest actuated chain.
+            exact: Read every number exactly as written: no angle is read as the multiple of π that it was meant to be.
 
         Raises:
-            ChainError: There is no such link, or no chain between the two.
+            ChainError: A link does not exist, or there is no chain between the two.
         """
         return Chain._of(self, self._native.chain(base, tip, exact))
 
@@ -159,7 +159,7 @@ class Robot(Shown, Frozen):
                 of their own and move nothing.
             frames: Where on a joint's axis its child link's frame lies.
             tip: The chain that ``mark`` marks.
-            exact: Take every number as it is written.
+            exact: Read every number exactly as written.
             tolerance: Neighbouring axes closer to parallel than this are made parallel, rad.
             keep_link_frames: The same as ``link_frames="keep"``.
 
@@ -177,14 +177,14 @@ class Robot(Shown, Frozen):
 
         Each operation is what stands on the command line, as one string or as its words: ``"flip elbow_joint"``,
         ``"zero elbow_joint=90deg"``, ``"reroot tool0"``, ``"merge --keep tool0"``, ``"mirror xz --names left=right"``,
-        ``"attach gripper.urdf --at tool0 --prefix g_"``. They are done in order, and each is proved: what it says stays
-        the same is compared with the new text. ``notes`` of the result tell how nearly, and what changed.
+        ``"attach gripper.urdf --at tool0 --prefix g_"``. They run in order, and each is proved: what it promises to keep
+        is compared with the new text. ``notes`` of the result state the accuracy and the changes.
 
         Args:
             operations: At least one.
 
         Raises:
-            ArgumentError: An operation cannot be done, with the reason, or does not hold what it says.
+            ArgumentError: An operation is impossible, with the reason, or does not keep what it promises.
 
         Examples:
             >>> import denavit as dn
@@ -202,14 +202,14 @@ class Robot(Shown, Frozen):
         """Write the URDF, as a whole or not at all.
 
         Raises:
-            ArgumentError: The robot is no tree (take ``robot.canonical()`` first), or the file cannot be written.
+            ArgumentError: The robot is not a tree (use ``robot.canonical()`` first), or the file cannot be written.
         """
         if self.urdf is None:
-            raise ArgumentError(f"{self.file} is no URDF; robot.canonical() makes one")
+            raise ArgumentError(f"{self.file} is not a URDF; robot.canonical() makes one")
         save(path, self.urdf)
 
     def fingerprint(self, tolerance: float = 1e-6) -> Fingerprint:
-        """A short hash of what the robot is; see `denavit.fingerprint`."""
+        """A short hash of the robot; see `denavit.fingerprint`."""
         from denavit.compare import fingerprint
 
         return fingerprint(self, tolerance)
@@ -238,16 +238,16 @@ def load(
         package_path: Folders with ROS packages, or packages.
         allow_any_file: Let xacro read files outside its package and the package path.
         vendor_angles: Read the angles of a UR kinematics file as the vendor's tool means them, Rx Ry Rz.
-        file: What messages call a source that has no name; its ending distinguishes formats.
+        file: Name in messages of a source without a name; its ending distinguishes formats.
         table_convention: Of a D-H table that does not state it: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
             (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``.
         table_units: Of the numbers of a D-H table that state none, such as ``mm,deg``.
         convention: The same as `table_convention`.
 
     Raises:
-        ArgumentError: The source is of no known kind, or keywords exclude each other.
+        ArgumentError: The kind of source is unknown, or keywords exclude each other.
         ReadError: The file cannot be read.
-        RobotError: What was read is no robot; `file`, `line`, `element` and `hint` say more.
+        RobotError: The text is not a robot; `file`, `line`, `element` and `hint` say more.
 
     Examples:
         >>> import denavit as dn

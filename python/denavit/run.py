@@ -1,4 +1,4 @@
-"""A run of measurements before it is made: which poses to take, and what it might look like."""
+"""A measurement run before it is made: which poses to measure, and simulated results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Plan:
         q: The poses, rad and m, shape ``(count, n)``.
         json: Everything, as ``denavit plan --json`` prints it.
         csv: The poses as a file.
-        text: What they are good for, in words.
+        text: Their expected benefit as text.
     """
 
     q: Array
@@ -79,8 +79,8 @@ class Simulation:
 
     Attributes:
         data: What was measured.
-        test: What was measured later, of the same robot, where it was asked for.
-        truth: What it was made of, as ``denavit simulate --truth`` writes it.
+        test: Later measurements of the same robot, if requested.
+        truth: The true values, as ``denavit simulate --truth`` writes them.
     """
 
     data: Measurements
@@ -164,7 +164,7 @@ def simulate(
     names = [coordinate.name for coordinate in chain.coordinates]
     if isinstance(repeatability, Mapping):
         if unknown := [name for name in repeatability if name not in names]:
-            raise ArgumentError(f'repeatability: no joint is called "{unknown[0]}"; there are {", ".join(names)}')
+            raise ArgumentError(f'repeatability: there is no joint "{unknown[0]}"; there are {", ".join(names)}')
         spreads = [number(f"repeatability[{name!r}]", repeatability.get(name, 0.0)) for name in names]
     else:
         spreads = [number("repeatability", repeatability)] * len(names)

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What was read otherwise than it is written, or what one must know of a result.
+    """What was read differently from what is written, or a note on a result.
 
     Attributes:
         kind: A word for programs.
         message: A sentence.
-        file: The file, where the note is of a place.
+        file: The file, if the note is about a place.
         line: Its line, from 1.
         element: Its element.
         written: The literal in the file, where one was read as something else.
@@ -74,7 +74,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Match:
-    """How a vendor's table lies on a robot.
+    """How a vendor's table fits a robot.
 
     Attributes:
         verdict: ``exact``, ``rounded``, ``close`` or ``mismatch``.
@@ -123,7 +123,7 @@ class Table(Frozen):
     """
 
     __slots__ = ("_chain", "_json", "_native", "_options")
-    _made_by = "a table is one of a chain: use chain.table(convention)"
+    _made_by = "a table belongs to a chain: use chain.table(convention)"
     _native: _denavit.Table
     _chain: Chain
     _options: tuple[Any, Any, float]
@@ -163,7 +163,7 @@ class Table(Frozen):
 
     @property
     def chain(self) -> Chain:
-        """The chain that it is of."""
+        """The chain of this table."""
         return self._chain
 
     @property
@@ -198,12 +198,12 @@ class Table(Frozen):
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """What was read otherwise than it is written, and other findings."""
+        """What was read differently from what is written, and other findings."""
         return tuple(Note(**entry) for entry in self._json["notes"])
 
     @property
     def tip_moves_at_most(self) -> float:
-        """The most by which what the notes describe moves the tip, m."""
+        """The largest motion of the tip due to what the notes describe, m."""
         return float(self._json["tip_moves_at_most"])
 
     def to_dict(self) -> dict[str, Any]:
@@ -212,7 +212,7 @@ class Table(Frozen):
         return copied
 
     def to_pandas(self) -> pd.DataFrame:
-        """A data frame with a row each for base, joints and tool; rad and m. Needs pandas.
+        """A data frame with one row each for base, joints and tool; rad and m. Needs pandas.
 
         `denavit.load` reads it back as the same robot: the base row's ``kind`` holds the convention, as in the CSV; joints that
         one coordinate moves have one name; ``pitch`` (m/rad) and ``scale`` are there where a joint has them.
@@ -265,7 +265,7 @@ class Table(Frozen):
         table_units: str | None = None,
         convention: str | None = None,
     ) -> Match:
-        """Is it the vendor's robot? Find the senses, zeros, base and tool frames in which the chain equals a table.
+        """Check whether it is the vendor's robot: find senses, zeros, base and tool frames for which the chain equals a table.
 
         Args:
             vendor: A table's file (CSV or JSON), its text, or the table as a mapping or data frame.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from denavit.robot import Source
 
 PAGE = Path(__file__).with_name("explorer.html")
-"""The page as web/build makes it; a build of the package without that has none."""
+"""The page that web/build makes; a build of the package without it has no page."""
 
 ROBOTS = '<script type="application/json" id="robots">[]</script>'
 """Where the page has its robots."""
@@ -30,10 +30,10 @@ ROBOTS = '<script type="application/json" id="robots">[]</script>'
 
 @dataclass(frozen=True, slots=True, repr=False)
 class View:
-    """Robots on the explorer's page; made by `explore`. Shows itself in a notebook, and asks the network for nothing.
+    """Robots on the explorer's page; made by `explore`. Shows itself in a notebook, and does not use the network.
 
-    The page is part of what is shown: a cell with a view adds three megabytes to its notebook, and works wherever the
-    notebook is opened, without a kernel too.
+    The page is part of the output: a cell with a view adds three megabytes to its notebook, and works wherever the
+    notebook is opened, even without a kernel.
 
     Attributes:
         robots: File and text of each; two are drawn over each other.
@@ -120,5 +120,5 @@ def _robots(given: Any) -> tuple[Robot, ...]:
 
 
 def _told(robot: Robot) -> tuple[str, str]:
-    """File and text of a robot as the page takes it: URDF with xacro expanded, or a table as it stands."""
+    """File and text of a robot as the page takes it: URDF with xacro expanded, or a table unchanged."""
     return PurePath(robot.file).name, robot._self_contained

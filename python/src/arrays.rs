@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 use std::num::NonZeroUsize;
 
-/// Below this many configurations the interpreter stays locked: giving it back costs more than the work.
+/// Below this many configurations the interpreter stays locked: releasing it costs more than the work.
 pub const FEW: usize = 64;
 
 /// Joint values of one or many configurations: the last axis is the coordinates.
@@ -16,7 +16,7 @@ pub struct Configurations<'py> {
 }
 
 impl<'py> Configurations<'py> {
-    /// An array of f64 that lies in order is taken as it is; what else numpy can make one of is copied.
+    /// A contiguous array of f64 is used without a copy; everything else that numpy can convert is copied.
     pub fn of(q: &Bound<'py, PyAny>, coordinates: usize) -> PyResult<Self> {
         let array = match in_order(q) {
             Some(array) => array,
@@ -61,7 +61,7 @@ pub fn shape_words(shape: &[usize]) -> String {
     }
 }
 
-/// An array of f64 that lies in order, as it is.
+/// A contiguous array of f64, without a copy.
 pub fn in_order<'py>(given: &Bound<'py, PyAny>) -> Option<Bound<'py, PyArrayDyn<f64>>> {
     given.cast::<PyArrayDyn<f64>>().ok().filter(|array| array.is_c_contiguous()).cloned()
 }
@@ -74,10 +74,10 @@ fn unnamed<'py>(q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> 
             "q is a structured array; give a data frame, a mapping by joint name, or plain rows of numbers",
         ));
     }
-    contiguous(q).map_err(|error| argument(format!("q is no array of numbers ({error})")))
+    contiguous(q).map_err(|error| argument(format!("q is not an array of numbers ({error})")))
 }
 
-/// What numpy makes an array of f64 in order of.
+/// Whatever numpy converts to a contiguous array of f64.
 pub fn contiguous<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = given.py();
     let options = PyDict::new(py);
@@ -100,13 +100,13 @@ pub fn result<'py>(
             let refused =
                 |why: String| argument(format!("out {why}; give a C-contiguous float64 array of shape {wanted}"));
             let Ok(array) = out.cast::<PyArrayDyn<f64>>() else {
-                return Err(refused("is no array of float64".into()));
+                return Err(refused("is not an array of float64".into()));
             };
             if array.shape() != shape {
                 return Err(refused(format!("has shape {}", shape_words(array.shape()))));
             }
             if !array.is_c_contiguous() {
-                return Err(refused("does not lie in order".into()));
+                return Err(refused("is not C-contiguous".into()));
             }
             array.clone()
         }

@@ -30,7 +30,7 @@ type Branches<'py> = (
     String,
 );
 
-/// The place among the names of a branch that has none.
+/// The index for a branch without a name.
 const NAMELESS: i8 = 8;
 
 /// The place of a branch among the names.
@@ -40,7 +40,7 @@ fn code(branch: Option<Branch>) -> i8 {
     })
 }
 
-/// Names of branches in the order of their places; the last stands for no branch.
+/// Names of branches in the order of their indices; the last means no branch.
 #[pyfunction]
 pub fn branch_names() -> Vec<Option<String>> {
     let named = |code: u8| Branch { front: code & 1 != 0, elbow_up: code & 2 != 0, flipped: code & 4 != 0 };
@@ -190,25 +190,25 @@ impl Chain {
         self.chain.size()
     }
 
-    /// Whether every number was taken as it is written.
+    /// Whether every number was read exactly as written.
     #[getter]
     fn exact(&self) -> bool {
         self.exact
     }
 
-    /// What was read otherwise than it is written.
+    /// What was read differently from what is written.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.iter().map(said).collect()
     }
 
-    /// The most by which what the notes describe moves the tip, m.
+    /// The largest motion of the tip due to what the notes describe, m.
     #[getter]
     fn tip_moves_at_most(&self) -> f64 {
         self.notes.iter().map(Note::tip_moves).sum()
     }
 
-    /// What moves it, in order.
+    /// Its coordinates, in order.
     fn coordinates(&self) -> Vec<CoordinateEntry> {
         let entry = |coordinate: &denavit_model::Coordinate| {
             let quantity = match coordinate.quantity {

@@ -84,8 +84,9 @@ pub fn compare(
 ) -> PyResult<Comparison> {
     let range = |(joint, lower, upper): (Option<String>, f64, f64)| {
         let ordered = lower.is_finite() && upper.is_finite() && lower <= upper;
-        let wrong =
-            || argument(format!("q_range: {lower} … {upper} is no range; write two finite numbers, the lower first"));
+        let wrong = || {
+            argument(format!("q_range: {lower} … {upper} is not a range; write two finite numbers, the lower first"))
+        };
         if ordered { Ok(Range { joint, lower, upper }) } else { Err(wrong()) }
     };
     let options = Options {
@@ -116,7 +117,7 @@ pub fn fingerprint(py: Python<'_>, robot: &Robot, tolerance: f64) -> PyResult<(S
     Ok((json, found.to_string()))
 }
 
-/// Whether a fingerprint that was written down is that of a robot with these hashes.
+/// Whether a recorded fingerprint is that of a robot with these hashes.
 #[pyfunction]
 pub fn fingerprint_matches(
     tolerance: f64,
@@ -131,7 +132,7 @@ pub fn fingerprint_matches(
     if only_motion { found.moves_as(written) } else { found.matches(written) }
 }
 
-/// A URDF's text against the rules.
+/// Checks a URDF's text against the rules.
 #[pyfunction]
 #[pyo3(signature = (file, text, allow, deny, config, package_path))]
 pub fn check(

@@ -13,13 +13,13 @@ use pyo3::types::{PyDict, PyModule};
 /// A class of `denavit.errors`.
 #[derive(Debug, Clone, Copy)]
 pub enum Class {
-    /// An argument that cannot be.
+    /// An invalid argument.
     Argument,
     /// A file that cannot be read.
     Read,
-    /// A text that is no robot.
+    /// A text that is not a valid robot.
     Robot,
-    /// A chain that is not there.
+    /// A chain that does not exist.
     Chain,
     /// A robot that a format cannot hold.
     Export,
@@ -49,7 +49,7 @@ impl Class {
     }
 }
 
-/// Where something is wrong.
+/// The place of an error.
 #[derive(Debug, Default)]
 pub struct Spot {
     /// As given.
@@ -91,7 +91,7 @@ pub fn said(message: impl std::fmt::Display) -> String {
     shown(&message.to_string(), Shown::Python).into_owned()
 }
 
-/// An argument that cannot be.
+/// An invalid argument.
 pub fn argument(message: impl AsRef<str>) -> PyErr {
     error(Class::Argument, message.as_ref(), Spot::default())
 }
@@ -136,7 +136,7 @@ pub fn load(failure: &LoadError) -> PyErr {
     }
 }
 
-/// The exception of words and files that make no calibration.
+/// The exception for arguments and files that do not form a calibration.
 pub fn measured(failure: &MeasuredError) -> PyErr {
     match failure {
         MeasuredError::Data(failure) => data(failure),
@@ -154,12 +154,12 @@ pub fn data(failure: &DataError) -> PyErr {
     error(Class::Data, &failure.to_string(), spot)
 }
 
-/// The exception of measurements that give no calibration.
+/// The exception for measurements that cannot be calibrated from.
 pub fn calibration(message: &str, file: &str) -> PyErr {
     error(Class::Calibration, message, Spot::file(file))
 }
 
-/// The exception of a chain that is not there.
+/// The exception for a chain that does not exist.
 pub fn tree(failure: &TreeError) -> PyErr {
     let spot = match failure {
         TreeError::NoSuchLink { file, .. } => Spot::file(file),
@@ -169,7 +169,7 @@ pub fn tree(failure: &TreeError) -> PyErr {
     error(Class::Chain, &failure.to_string(), spot)
 }
 
-/// What the library promises and a caller can do nothing about.
+/// An internal error: a caller cannot fix it.
 pub fn broken(what: &str) -> PyErr {
     PyRuntimeError::new_err(what.to_owned())
 }

@@ -1,4 +1,4 @@
-//! A run over a fleet: here, or by jobs that are handed to other processes.
+//! A run over a fleet: in this process, or by jobs for other processes.
 
 #![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
 
@@ -37,9 +37,9 @@ fn json(report: &RunReport) -> PyResult<String> {
     serde_json::to_string(report).map_err(|failure| broken(&failure.to_string()))
 }
 
-/// A job that stands as JSON.
+/// A job as JSON.
 fn job(text: &str) -> PyResult<Job> {
-    serde_json::from_str(text).map_err(|failure| argument(format!("this is no job of a fleet: {failure}")))
+    serde_json::from_str(text).map_err(|failure| argument(format!("this is not a fleet job: {failure}")))
 }
 
 /// Runs a manifest into a store in this process; `progress` is called with each robot that ends and with how many there are.
@@ -74,7 +74,7 @@ pub fn fleet_run(
 /// Serial, date, task, and the job as JSON.
 type JobToDo = (String, Option<String>, &'static str, String);
 
-/// Name and Parquet of each table that has rows, and why the job was not done.
+/// Name and Parquet of each table that has rows, and why the job failed.
 type Found<'py> = (Vec<(String, Bound<'py, PyBytes>)>, Option<String>);
 
 /// A run whose jobs other processes do; this one alone writes the store.
@@ -89,7 +89,7 @@ pub struct FleetLedger {
 
 #[pymethods]
 impl FleetLedger {
-    /// Holds the store and finds out what is to be done.
+    /// Locks the store and determines the jobs.
     #[new]
     #[pyo3(signature = (manifest, set, store))]
     fn new(py: Python<'_>, manifest: &str, set: Vec<(String, String)>, store: std::path::PathBuf) -> PyResult<Self> {
@@ -143,13 +143,13 @@ impl FleetLedger {
         py.detach(|| ledger.keep(job, &Computed { tables, error })).map_err(|failure| fleet(&failure))
     }
 
-    /// Ends the run and lets go of the store; the result is the contract of `denavit fleet run --json`.
+    /// Ends the run and releases the store; the result is the contract of `denavit fleet run --json`.
     fn close(&self, py: Python<'_>) -> PyResult<String> {
         let ledger = self.ledger.lock().expect("writing does not panic").take().ok_or_else(closed)?;
         json(&py.detach(|| ledger.close()).map_err(|failure| fleet(&failure))?)
     }
 
-    /// Lets go of the store where the run is broken off; what was kept stays in it.
+    /// Releases the store when the run is interrupted; what was stored stays in it.
     fn leave(&self) {
         drop(self.ledger.lock().expect("writing does not panic").take());
     }

@@ -153,7 +153,7 @@ fn of_matrices(array: &PyReadonlyArray3<'_, f64>) -> PyResult<Poses> {
     let poses = matrices.iter().enumerate().map(|(index, matrix)| {
         rigid(matrix).ok_or_else(|| {
             argument(format!(
-                "poses[{index}] is no homogeneous matrix; its upper left 3 by 3 must be a rotation, its last row 0 0 0 1"
+                "poses[{index}] is not a homogeneous matrix; its upper left 3 by 3 must be a rotation, its last row 0 0 0 1"
             ))
         })
     });

@@ -1,4 +1,4 @@
-//! A file of measurements or poses as Python holds it: its content, and what is said of its columns.
+//! A file of measurements or poses as Python holds it: its content, and the description of its columns.
 
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, error, load, measured, said};
@@ -50,7 +50,7 @@ impl Content {
 }
 
 impl Given {
-    /// The file with what is said of it understood.
+    /// The file with its description interpreted.
     pub fn file(self) -> PyResult<DataFile> {
         let wrong = |message: String| error(Class::Argument, &message, Spot::file(&self.name));
         let option = |option: &str, failure: &dyn Display| wrong(format!("{}: {option}: {failure}", self.name));

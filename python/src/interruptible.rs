@@ -1,4 +1,4 @@
-//! Work in a thread of its own, so that the interpreter hears of Ctrl-C while it lasts.
+//! Work in a separate thread, so that the interpreter handles Ctrl-C meanwhile.
 
 use denavit_linear::stop::Stop;
 use pyo3::prelude::*;
@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, mpsc};
 use std::time::Duration;
 
-/// How long the interpreter is left alone before it is asked whether somebody wants to stop.
+/// Interval at which the interpreter is checked for an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Tells the thread that waits how far the work is; `Break` where nobody waits any more.
@@ -43,7 +43,7 @@ pub fn interruptible<T: Send + 'static, R: Send + 'static>(
     };
     if let Err(interrupted) = wait() {
         stop.ask();
-        // What it ended with, even a panic, is of no interest any more.
+        // Its result, even a panic, no longer matters.
         let _ = py.detach(|| worker.join());
         return Err(interrupted);
     }

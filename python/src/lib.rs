@@ -1,7 +1,7 @@
 //! The native part of the Python package `denavit`: values in, the library's functions, values out.
 //!
-//! No logic stands here. Results that have a JSON contract leave as that JSON, so that Python and the command line say the
-//! same; the classes that people see are written in Python around these.
+//! It contains no logic. Results that have a JSON contract are returned as that JSON, so that Python and the command line give the
+//! same; the public classes are written in Python around these.
 
 mod arrays;
 mod chain;

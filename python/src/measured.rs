@@ -1,4 +1,4 @@
-//! Calibration, and what its result is asked for.
+//! Calibration and its results.
 
 use crate::chain::Chain;
 use crate::errors::{Class, Spot, broken, calibration, error, load, measured, said};
@@ -52,7 +52,7 @@ pub struct SearchGiven {
     seed: u64,
 }
 
-/// The kind of measurement that a word means.
+/// The kind of measurement for a word.
 pub fn kind(word: &str) -> PyResult<ObservationKind> {
     let measured = || KINDS.iter().filter(|kind| ["poses", "positions", "distances"].contains(&kind.plural()));
     let known = || measured().map(|kind| kind.plural()).collect::<Vec<_>>().join(", ");
@@ -112,7 +112,7 @@ impl Fit {
         page.map_err(|failure| error(Class::Export, &failure.to_string(), Spot::default()))
     }
 
-    /// The calibrated URDF, the name of its tip and what must be said of it; `None` where the source is no tree.
+    /// The calibrated URDF, the name of its tip and its notes; `None` where the source is not a tree.
     fn urdf(&self) -> PyResult<Option<(String, String, Vec<String>)>> {
         let Loaded::Robot(tree) = &*self.loaded else { return Ok(None) };
         let arm = self.result.arm();
@@ -158,7 +158,7 @@ impl Fit {
     }
 }
 
-/// From measured data to a calibrated model; `progress` is called with what is going on.
+/// From measured data to a calibrated model; `progress` is called with the current step.
 #[pyfunction]
 #[pyo3(signature = (chain, rows, search, progress))]
 pub fn calibrate(
@@ -186,7 +186,7 @@ pub fn calibrate(
     };
     let prior = prior_read(&asked).map_err(|failure| measured(&failure))?;
     if tips.several() && !rows.sockets.is_empty() {
-        let message = "socket: its rows do not say which tip they are of; calibrate one tip at a time";
+        let message = "socket: its rows do not name their tip; calibrate one tip at a time";
         return Err(error(Class::Argument, message, Spot::default()));
     }
     let mut options = self::search(&asked, nominal).map_err(|failure| measured(&failure))?;
@@ -248,7 +248,7 @@ pub fn prior_file((name, text): (String, String)) -> DataFile {
     DataFile { name, content: text.into(), ..DataFile::default() }
 }
 
-/// What a calibration is made of.
+/// The inputs of a calibration.
 struct Work {
     chain: denavit_model::Chain,
     statics: Statics,

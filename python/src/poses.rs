@@ -17,11 +17,13 @@ pub struct Matrices<'py> {
 }
 
 impl<'py> Matrices<'py> {
-    /// An argument error where what is called `name` has another shape, or is no pose.
+    /// An argument error where `name` has another shape, or is not a pose.
     pub fn of(name: &str, given: &Bound<'py, PyAny>) -> PyResult<Self> {
         let array = match in_order(given) {
             Some(array) => array,
-            None => contiguous(given).map_err(|error| argument(format!("{name} is no array of numbers ({error})")))?,
+            None => {
+                contiguous(given).map_err(|error| argument(format!("{name} is not an array of numbers ({error})")))?
+            }
         };
         if !array.shape().ends_with(&[4, 4]) {
             let shape = shape_words(array.shape());
@@ -31,10 +33,10 @@ impl<'py> Matrices<'py> {
         let matrices = Self { array };
         let each = matrices.each()?;
         if !each.as_flattened().iter().all(|value| value.is_finite()) {
-            return Err(argument(format!("{name} has a number that is not finite")));
+            return Err(argument(format!("{name} contains a number that is not finite")));
         }
         if !each.iter().all(is_rotation) {
-            let what = "the upper left 3 × 3 of a pose is no rotation; give columns of length 1 at right angles";
+            let what = "the upper left 3 × 3 of a pose is not a rotation; give orthogonal columns of length 1";
             return Err(argument(what));
         }
         Ok(matrices)
@@ -53,7 +55,7 @@ impl<'py> Matrices<'py> {
     }
 }
 
-/// Homogeneous matrices as an array of shape `(..., 4, 4)`; an argument error where they are none.
+/// Homogeneous matrices as an array of shape `(..., 4, 4)`; an argument error where they are not poses.
 #[pyfunction]
 pub fn pose_matrices<'py>(name: &str, poses: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     Ok(Matrices::of(name, poses)?.array.deref().clone())

@@ -15,10 +15,10 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A matrix is no rotation where its columns are off by more.
+/// A matrix whose columns deviate by more is not a rotation.
 pub const ORTHONORMAL: f64 = 1e-6;
 
-/// A robot as its source gives it.
+/// A robot as its source describes it.
 #[pyclass(frozen, module = "denavit._denavit")]
 pub struct Robot {
     pub loaded: Arc<Loaded>,
@@ -26,7 +26,7 @@ pub struct Robot {
     notes: Vec<String>,
 }
 
-/// The text of a file, of standard input (`-`) or of `git:REVISION:PATH`, and what messages call it.
+/// The text of a file, of standard input (`-`) or of `git:REVISION:PATH`, and its name in messages.
 #[pyfunction]
 pub fn read_text(py: Python<'_>, name: &str) -> PyResult<(String, String)> {
     py.detach(|| denavit_load::read_text(name)).map_err(|error| load(&error))
@@ -68,7 +68,7 @@ pub fn stated(convention: Option<&str>, units: &str) -> PyResult<Stated> {
     let stated = Stated { convention, ..Stated::default() }.with_units(units);
     stated.map_err(|unknown| {
         argument(format!(
-            "table_units: \"{}\" is no unit of a table; write one of lengths and one of angles, such as mm,deg",
+            "table_units: \"{}\" is not a unit of a table; write one length unit and one angle unit, such as mm,deg",
             unknown.word
         ))
     })
@@ -120,7 +120,7 @@ impl Robot {
         }
     }
 
-    /// What messages call its source.
+    /// The name of its source in messages.
     #[getter]
     fn file(&self) -> &str {
         &self.file
@@ -172,14 +172,14 @@ impl Robot {
         (names(drivers), names(followers))
     }
 
-    /// What was read otherwise than it is written.
+    /// What was read differently from what is written.
     #[getter]
     fn notes(&self) -> Vec<String> {
         let own: &[Note] = if let Loaded::Robot(robot) = &*self.loaded { &robot.notes } else { &[] };
         self.notes.iter().cloned().chain(own.iter().map(said)).collect()
     }
 
-    /// Base, tip, coordinates of every chain to a leaf, and whether it is the one that is taken where none is named.
+    /// Base, tip, coordinates of every chain to a leaf, and whether it is the default chain.
     fn chains(&self) -> Vec<(String, String, Vec<String>, bool)> {
         let listing = self.loaded.chains();
         let default = listing.default;
@@ -198,7 +198,7 @@ impl Robot {
         Ok(Chain::new(Arc::clone(&self.loaded), Arc::clone(&self.file), noted, exact))
     }
 
-    /// The canonical URDF and what must be said of it.
+    /// The canonical URDF and its notes.
     #[pyo3(signature = (link_frames, frames, tip, exact, tolerance))]
     fn canonical(
         &self,
@@ -232,11 +232,13 @@ impl Robot {
         Ok((made.value, made.notes.iter().map(said).collect()))
     }
 
-    /// The edited URDF, and a report for each operation with what must be said of it; each operation in words, as on the
+    /// The edited URDF, and a report with notes for each operation; each operation in words, as on the
     /// command line.
     fn edit(&self, py: Python<'_>, operations: Vec<Vec<String>>) -> PyResult<(String, Vec<String>)> {
         let Loaded::Robot(robot) = &*self.loaded else {
-            return Err(argument("edits are made to the text of a URDF; robot.canonical() makes one of a table first"));
+            return Err(argument(
+                "edits change the text of a URDF; first make one from the table with robot.canonical()",
+            ));
         };
         let files = Files::urdf(&*self.file, robot.source.text.clone());
         py.detach(|| {
@@ -260,7 +262,7 @@ fn operation(line: Vec<String>, robot: &denavit_model::Robot, file: &str) -> PyR
     let wrong = |error: denavit_edit::EditError| argument(error.to_string());
     let mut words = Words::of(line).map_err(wrong)?;
     if words.copies_meshes() || words.takes_meshes() && words.to.is_some() {
-        return Err(argument("this operation writes mesh files; `denavit edit` does, robot.edit gives text alone"));
+        return Err(argument("this operation writes mesh files, but robot.edit returns only text; use `denavit edit`"));
     }
     if words.takes_meshes() {
         let meshes = denavit_load::meshes(robot, file, &Options::default(), MOST);
@@ -279,7 +281,7 @@ fn operation(line: Vec<String>, robot: &denavit_model::Robot, file: &str) -> PyR
             let opened = denavit_load::load(&name, &options).map_err(|error| load(&error))?.robot;
             if matches!(opened, Loaded::Table { .. }) {
                 return Err(argument(
-                    "a D-H table has zeros and frames of its own; `denavit edit … set-calibration --nominal` lays it on a robot",
+                    "a D-H table has its own zeros and frames; `denavit edit … set-calibration --nominal` applies it to a robot",
                 ));
             }
             let selection = Selection { file: &name, reading: Reading::AsWritten, ..Selection::default() };

@@ -1,4 +1,4 @@
-//! A run of measurements before it is made: which poses to take, and what it might look like.
+//! A measurement run before it is made: which poses to measure, and simulated results.
 
 #![expect(clippy::needless_pass_by_value, reason = "what Python calls with is handed over by value")]
 
@@ -130,7 +130,7 @@ pub fn tell_apart<'py>(
     Ok((found.to_json(nominal), found.to_csv(nominal, Units::default()), found.to_text(), poses))
 }
 
-/// Files of a simulated run: rows to fit, rows measured later, what they were made of.
+/// Files of a simulated run: rows to fit, rows measured later, and the true values.
 #[pyfunction]
 #[pyo3(signature = (chain, rows, test_rows, measure, targets, seed, geometry_error, noise, outliers, effects, saved, columns, q, camera, board, on_hand, pixel_noise, sight_noise, repeatability))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
@@ -165,7 +165,7 @@ pub fn simulate(
         return Err(argument(format!("repeatability is {size}; write numbers of 0 or more, rad, and m for slides")));
     }
     if !(0.0..=1.0).contains(&outliers) {
-        return Err(argument(format!("outliers is {outliers}; it is a share of the rows, write 0 to 1")));
+        return Err(argument(format!("outliers is {outliers}; it is a fraction of the rows, write 0 to 1")));
     }
     if !(pixel_noise.is_finite() && pixel_noise >= 0.0) {
         return Err(argument(format!("pixel_noise is {pixel_noise}; write a number of 0 or more, px")));
@@ -173,7 +173,7 @@ pub fn simulate(
     let camera = camera.map(|(file, text)| sight(&file, &text, board.as_deref(), on_hand));
     let camera = camera.transpose().map_err(|failure| measured(&failure))?;
     if camera.as_ref().is_some_and(|sight| sight.board.is_none()) {
-        return Err(argument("a camera needs a board to see; give its squares as board, such as \"7x5:30mm\""));
+        return Err(argument("a camera needs a board; give its squares as board, such as \"7x5:30mm\""));
     }
     let kind = if camera.is_some() { ObservationKind::Pixel } else { kind(measure)? };
     let rows = if q.is_some() { rows } else { count("rows", rows)? };

@@ -75,7 +75,7 @@ impl Table {
         Ok((sheet.number_columns(), rows, words))
     }
 
-    /// How a vendor's table lies on the robot: JSON, and text.
+    /// How a vendor's table fits the robot: JSON, and text.
     #[pyo3(signature = (file, text, convention, units))]
     fn r#match(
         &self,

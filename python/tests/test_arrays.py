@@ -39,10 +39,10 @@ def test_results_go_into_out_without_a_copy(chain: dn.Chain) -> None:
 @pytest.mark.parametrize(
     ("out", "why"),
     [
-        (np.zeros((10, 3), dtype=np.float32), "no array of float64"),
+        (np.zeros((10, 3), dtype=np.float32), "not an array of float64"),
         (np.zeros((9, 3)), r"shape \(9, 3\)"),
-        (np.zeros((3, 10)).T, "in order"),
-        ([[0.0] * 3] * 10, "no array"),
+        (np.zeros((3, 10)).T, "is not C-contiguous"),
+        ([[0.0] * 3] * 10, "not an array"),
     ],
 )
 def test_an_out_that_cannot_be_written_in_place_is_refused(chain: dn.Chain, out: object, why: str) -> None:

@@ -294,7 +294,7 @@ def test_compensated_commands_reach_their_poses(traced: dn.Fit) -> None:
     far = poses.copy()
     far[:, :3, 3] *= 9
     assert not traced.compensate(far).reached
-    for wrong, why in ((poses * 2, r"poses\[0\] is no homogeneous"), (q[:, :5], "6 joint values"), (q[0], "shape")):
+    for wrong, why in ((poses * 2, r"poses\[0\] is not a homogeneous"), (q[:, :5], "6 joint values"), (q[0], "shape")):
         with pytest.raises(dn.ArgumentError, match=why):
             traced.compensate(wrong)
 
@@ -323,7 +323,7 @@ def test_noise_is_made_of_what_is_asked_for(drawn: dn.Chain) -> None:
     for words in sources:
         assert 1e-5 < off(**words) < 1e-3, words
     assert off(repeatability={"elbow_joint": 1e-4}) < off(repeatability=1e-4)
-    with pytest.raises(dn.ArgumentError, match='no joint is called "elbow"; there are shoulder_pan_joint, '):
+    with pytest.raises(dn.ArgumentError, match='there is no joint "elbow"; there are shoulder_pan_joint, '):
         off(repeatability={"elbow": 1e-4})
     with pytest.raises(dn.ArgumentError, match="repeatability is -1; write numbers of 0 or more"):
         off(repeatability=-1.0)
@@ -378,7 +378,7 @@ def test_errors_name_file_line_and_hint(drawn: dn.Chain) -> None:
     assert few.value.file == "run.csv"
     for options, why in (
         ({"scales": ["nothing"]}, "scales=: the chain has no joint"),
-        ({"effects": ["magic"]}, "no kind of effect"),
+        ({"effects": ["magic"]}, "not a kind of effect"),
         ({"gear_ratio": {"elbow": 100}}, "names no joint"),
         ({"hold_out": 0.3, "test": tracker()}, "exclude each other"),
     ):
@@ -411,7 +411,7 @@ def test_plans_are_poses_to_simulate_at(drawn: dn.Chain) -> None:
     chosen = drawn.plan(4, candidates=plan.q)
     assert all(any(np.array_equal(row, candidate) for candidate in plan.q) for row in chosen.q)
     for wrong, why in (
-        ({"count": 12, "candidates": plan.q[:5]}, "are to be chosen"),
+        ({"count": 12, "candidates": plan.q[:5]}, "12 poses are wanted"),
         ({"count": 0}, "count is 0"),
         ({"count": 5, "box": [1, 0, 0, 1, 0, 1]}, "box=: X0 = 1 is not below"),
         ({"count": 5, "measure": "angles"}, "write one of"),
@@ -419,7 +419,7 @@ def test_plans_are_poses_to_simulate_at(drawn: dn.Chain) -> None:
         with pytest.raises(dn.ArgumentError, match=why):
             drawn.plan(**wrong)  # type: ignore[arg-type]
     for wrong, why in (
-        ({"effect": ["magic@x=1"]}, "no kind of effect"),
+        ({"effect": ["magic@x=1"]}, "not a kind of effect"),
         ({"columns": ["weather"]}, "no column"),
         ({"noise": (-1.0, 0.0)}, "noise is"),
         ({"targets": 2, "measure": "poses"}, "several targets"),

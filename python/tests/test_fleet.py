@@ -93,7 +93,7 @@ def test_a_store_that_another_process_writes_is_left_alone(manifest: Path) -> No
     words = [sys.executable, "-c", f"import denavit, pathlib; {hold}; print(1, flush=True); input()"]
     with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout and other.stdout.readline() == "1\n"
-        with pytest.raises(dn.StoreError, match="another run writes into this store"):
+        with pytest.raises(dn.StoreError, match="another run is writing to this store"):
             dn.fleet.run(manifest, store)
         other.kill()
     assert dn.fleet.run(manifest, store, set={"effects": "none"}).entries == 7

@@ -35,5 +35,5 @@ def test_what_cannot_be_is_refused() -> None:
         dn.hand_eye(robot, seen[:5])
     with pytest.raises(dn.ArgumentError, match="seen has shape"):
         dn.hand_eye(robot, seen[:, :3])
-    with pytest.raises(dn.ArgumentError, match="do not move alike"):
+    with pytest.raises(dn.ArgumentError, match="do not agree"):
         dn.hand_eye(robot, seen, on_hand=True)

@@ -131,7 +131,7 @@ def test_a_map_in_a_file_and_a_draft_of_one(drawn: dn.Chain, poses: dn.Measureme
     read = dn.Measurements.read(tmp_path / "run.csv", columns=path)
     assert fitted(drawn, read)["stages"] == fitted(drawn, poses)["stages"]
     path.write_text("x = 3")
-    with pytest.raises(dn.ArgumentError, match=r"map\.toml: \"x\" is to be a column"):
+    with pytest.raises(dn.ArgumentError, match=r"map\.toml: \"x\" must be a column"):
         dn.calibrate(drawn, dn.Measurements.read(tmp_path / "run.csv", columns=path))
 
 
@@ -179,10 +179,10 @@ def test_the_corners_that_a_camera_sees(drawn: dn.Chain, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("keywords", "why"),
     [
-        ({"board": "7x5:30mm"}, "board speaks of a camera"),
+        ({"board": "7x5:30mm"}, "board needs a camera"),
         ({"camera": os.fspath(FILES / "readings.csv")}, "camera_matrix|intrinsics"),
         ({"euler": "XYZ", "quaternion": "wxyz"}, "euler and quaternion exclude each other"),
-        ({"socket": "a", "euler": "XYZ"}, "leave what is said of columns out"),
+        ({"socket": "a", "euler": "XYZ"}, "leave out descriptions of columns"),
         ({"euler": "XXZ"}, "euler: "),
         ({"quaternion": "wwxy"}, "quaternion"),
         ({"columns": "x"}, "No such file"),

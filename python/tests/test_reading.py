@@ -114,7 +114,7 @@ def test_options_that_notes_name_are_keywords(tmp_path: Path) -> None:
     assert metres.chain().size > 500
     # The page reads the text alone.
     assert dn.load(metres._self_contained, file="vendor.csv").chain().size == pytest.approx(metres.chain().size)
-    with pytest.raises(dn.ArgumentError, match="no unit"):
+    with pytest.raises(dn.ArgumentError, match="not a unit"):
         dn.load(file, table_units="furlong")
     with pytest.raises(dn.ArgumentError, match="same"):
         dn.load(file, convention="distal", table_convention="distal")

@@ -134,7 +134,7 @@ def test_files_are_written_as_a_whole_or_not_at_all(ur5e: dn.Robot, tmp_path: Pa
     with pytest.raises(dn.ArgumentError, match="no folder") as refused:
         ur5e.save(tmp_path / "none" / "c.urdf")
     assert refused.value.file == str(tmp_path / "none" / "c.urdf")
-    with pytest.raises(dn.ArgumentError, match="no URDF"):
+    with pytest.raises(dn.ArgumentError, match="not a URDF"):
         dn.load(DH).save(tmp_path / "d.urdf")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["c.urdf", "t.csv"]
 

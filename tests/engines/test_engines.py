@@ -151,7 +151,7 @@ def test_a_worker_that_sees_other_files_ends_the_run(connected, folder):
         if ended == 1:
             (folder / "changed.csv").write_text((folder / "1.csv").read_text())
 
-    with pytest.raises(dn.StoreError, match="its files are not those that the run began with"):
+    with pytest.raises(dn.StoreError, match="its files differ from those at the start of the run"):
         dn.fleet.run("changed_plant.csv", "changed", engine="ray", progress=change)
     # The store is free again, and what was finished is in it.
     run = dn.fleet.run("changed_plant.csv", "changed", engine="embedded")

@@ -16,7 +16,7 @@ fn standard_input_gives_the_data_and_files_are_written_all_or_none() {
         denavit(&["calibrate", &ur5e, "--data", &file, "--effects", "none", "--html", &html, &json]).failed()
     };
     assert!(outputs("nowhere/r.json", "page.html").contains("there is no folder"));
-    assert!(outputs("same", "same").contains("two outputs go to one place"));
+    assert!(outputs("same", "same").contains("two outputs have the same file"));
     assert_eq!(folder.names(), ["data.csv"]);
     let other = robot("abb/irb120.urdf");
     assert!(denavit(&["calibrate", &other, "--data", &file]).failed().contains("has no column"));
@@ -42,22 +42,22 @@ fn bad_input_to_the_measuring_commands_gets_one_clear_message() {
     plan(&["--count", "2", "--candidates", &few], "only 1 of 1 candidates");
     plan(&["--count", "2000"], "only 1000 of 1000 candidates");
     plan(&["--count", "1", "--candidates", &nan], "nan.csv:2: column \"wrist_3_joint\": \"nan\" is not finite");
-    plan(&["--count", "1", "--candidates", &short], "did you mean it by column \"elbow\"?");
+    plan(&["--count", "1", "--candidates", &short], "did you mean column \"elbow\"?");
     plan(&["--count", "1", "--box", "1,0,0,1,0,1"], "X0 = 1 is not below X1 = 0");
     plan(&["--count", "1", "--box", "0,1,0,nan,0,1"], "Y0 = 0 is not below Y1 = NaN");
-    plan(&["--count", "1", "--box", "0,1,0"], "3 numbers where X0,X1,Y0,Y1,Z0,Z1 are six");
+    plan(&["--count", "1", "--box", "0,1,0"], "3 numbers; write six, X0,X1,Y0,Y1,Z0,Z1");
     plan(&["--count", "1", "--box", "5,6,5,6,5,6"], "only 0 of 1000 candidates");
     let simulate = |rest: &[&str], expected: &str| says(&[&["simulate", &ur5e], rest].concat(), expected);
-    simulate(&["--effect", "rust@base=1mm"], "\"rust\" is no kind of effect; there are joint_scale");
+    simulate(&["--effect", "rust@base=1mm"], "\"rust\" is not a kind of effect; there are joint_scale");
     simulate(&["--effect", "backlash@elbow=1mm"], "backlash cannot act at \"elbow\"; it can at shoulder_pan_joint");
-    simulate(&["--effect", "backlash@elbow_joint=nan"], "\"nan\" is no strength");
+    simulate(&["--effect", "backlash@elbow_joint=nan"], "\"nan\" is not a strength");
     simulate(&["--effect", "backlash"], "write KIND@PLACE=STRENGTH");
     simulate(&["--effect", "thermal@base=1mm"], "for other places add --columns temperature");
     simulate(&["--effect", "backlash@elbow_joint:order=2=1mm"], "\"order\" cannot be set here");
-    simulate(&["--columns", "humidity"], "\"humidity\" is no column that a run has");
+    simulate(&["--columns", "humidity"], "\"humidity\" cannot be simulated as a column");
     simulate(&["--noise", "-1"], "--noise: \"-1\" is not MM,MRAD");
-    simulate(&["--outliers", "1.5"], "it is no share of the rows");
-    simulate(&["--targets", "2", "--measure", "poses"], "only positions are of several targets");
+    simulate(&["--outliers", "1.5"], "it is not a share of the rows");
+    simulate(&["--targets", "2", "--measure", "poses"], "only positions can have several targets");
     simulate(&["--poses", &nan], "is not finite");
     let compensate = |rest: &[&str], expected: &str| says(&[&["compensate", &ur5e], rest].concat(), expected);
     compensate(&["--poses", &nan], "is not finite");
@@ -69,14 +69,14 @@ fn bad_input_to_the_measuring_commands_gets_one_clear_message() {
     compensate(&["--poses", &bent], "the quaternion has length 1.414214, not 1");
     let straight = folder.file("straight.csv", "x,y,z,qx,qy,qz,qw\n0.4,0.2,0.5,1,0,0,0\n");
     says(&["identify", &ur5e, "--data", &straight], "joint \"shoulder_pan_joint\" has no column");
-    says(&["identify", &ur5e, "--scales", "elbow"], "the chain has no joint \"elbow\"; write all, or of");
-    says(&["fk", &ur5e, "--given", "payload=1"], "give --effects, too");
+    says(&["identify", &ur5e, "--scales", "elbow"], "the chain has no joint \"elbow\"; write all, or some of");
+    says(&["fk", &ur5e, "--given", "payload=1"], "it needs --effects");
     says(&["calibrate", "-", "--data", "-"], "standard input (-) can be one file only");
     for option in [["--mass", "20"], ["--gear-ratio", "elbow_joint=100"], ["--max-effects", "3"]] {
         for without in [["--effects", "none"], ["--effects", "curves"], ["--zeros", "all"]] {
             let rest = [option, without].concat();
             let arguments = [&["calibrate", &ur5e, "--data", &few][..], &rest].concat();
-            says(&arguments, &format!("{}: no effects are searched with {}", option[0], without[0]));
+            says(&arguments, &format!("{}: there is no search for effects with {}", option[0], without[0]));
         }
     }
 }
@@ -97,10 +97,10 @@ fn effects_written_by_hand_are_checked() {
     };
     let fk = |file: &str| denavit(&["fk", &ur5e(), "--effects", file]);
     let run = fk(&file("{\"covariate\": \"time\"}", "1e-3, 0, 0"));
-    assert!(run.stderr.contains("drift at target changes what is measured, not where the tip is; left out"));
+    assert!(run.stderr.contains("drift at target changes the measurement, not the pose of the tip; left out"));
     assert_eq!(run.succeeded(), denavit(&["fk", &ur5e()]).succeeded());
     let message = fk(&file("{\"smooth\": {\"covariate\": \"time\", \"knots\": []}}", "1e-3, 0, 0")).failed();
-    assert!(message.contains("effect 1 (drift): a number of its driver cannot be"), "{message}");
+    assert!(message.contains("effect 1 (drift): a number of its driver is out of range"), "{message}");
     let message = fk(&file("{\"covariate\": \"time\"}", "1e-3")).failed();
     assert!(message.contains("1 coefficients are given; give 3"), "{message}");
 }

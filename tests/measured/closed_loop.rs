@@ -206,7 +206,7 @@ fn an_averaged_prediction_says_what_it_takes_at_its_average() {
     let (effects, ur5e) = (folder.path("effects.json"), ur5e());
     let told = denavit(&["fk", &ur5e, "--effects", &effects]);
     assert!(
-        told.stderr.contains("the average of the fitted rows for \"temperature\"; --given states a value"),
+        told.stderr.contains("the average of the fitted rows for \"temperature\"; set a value with --given"),
         "{}",
         told.stderr
     );
@@ -240,7 +240,7 @@ fn effects_are_used_again_and_ask_for_what_they_follow() {
     assert!(
         denavit(&again)
             .failed()
-            .ends_with("thermal follows \"temperature\"; record it with --columns \"temperature\"\n")
+            .ends_with("thermal depends on \"temperature\"; record it with --columns \"temperature\"\n")
     );
     denavit(&[&again[..], &["--columns", "temperature"]].concat()).succeeded();
     let other = robot("universal_robots/ur10e.urdf");

@@ -59,12 +59,12 @@ fn what_contact_cannot_do_is_refused() {
     let plan = ["plan", &ur5e, "--count", "10", "--measure", "planes"];
     refused(
         &plan,
-        "poses cannot be chosen for readings on planes: whoever brings the target into contact chooses them",
+        "poses cannot be planned for readings on planes: you choose them when you bring the target into contact",
     );
     let effect = ["simulate", &ur5e, "--measure", "planes", "--effect", "backlash@elbow_joint=0.1mm"];
     refused(&effect, "--effect: effects are not simulated with readings on planes");
     let touch = ["simulate", TWO_ARMS, "--tip", "left_hand", "--measure", "contacts"];
-    refused(&touch, "--measure: contacts are of two tips of one robot; name both (--tip LINK --tip LINK)");
+    refused(&touch, "--measure: contacts need two tips of one robot; name both (--tip LINK --tip LINK)");
     let hold = ["simulate", TWO_ARMS, "--tip", "left_hand", "--tip", "right_hand", "--measure", "grips"];
     refused(
         &[&hold[..], &["--effect", "joint_scale@left_elbow=1e-3"]].concat(),

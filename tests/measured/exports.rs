@@ -97,7 +97,7 @@ fn every_form_of_text_is_the_same_data() {
         ("marked.csv", [b"\xef\xbb\xbf", semicolons.as_bytes()].concat(), "columns separated by semicolons"),
         ("little.txt", utf16(&tabs, false), "text in UTF-16LE"),
         ("big.txt", utf16(&semicolons, true), "text in UTF-16BE"),
-        ("windows.csv", cp1252, "\"X [m]\" taken for x"),
+        ("windows.csv", cp1252, "\"X [m]\" read as x"),
         ("units.csv", with_units.into_bytes(), "line 2 is a row of units"),
     ] {
         room.write(file, bytes);
@@ -132,7 +132,7 @@ fn units_by_column_are_the_same_data() {
     assert_eq!(room.report("named.csv --units m,rad"), reference);
     let run = room.run("calibrate arm.urdf --effects none --data named.csv");
     assert!(
-        run.stderr.contains("\"elbow_joint (deg)\" taken for elbow_joint, × 0.017453292519943295 rad"),
+        run.stderr.contains("\"elbow_joint (deg)\" read as elbow_joint, × 0.017453292519943295 rad"),
         "{}",
         run.stderr
     );
@@ -166,8 +166,8 @@ fn a_map_says_what_names_do_not() {
     room.write("map.toml", &map);
     assert_eq!(room.report("other.csv --columns map.toml"), own);
     let run = room.run("calibrate arm.urdf --effects none --data other.csv --columns map.toml --verbose");
-    assert!(run.stderr.contains("left out, for the map does not name them: Goal, Part"), "{}", run.stderr);
-    assert!(run.stderr.contains("taken for qx, qy, qz, qw"), "{}", run.stderr);
+    assert!(run.stderr.contains("left out because the map does not name them: Goal, Part"), "{}", run.stderr);
+    assert!(run.stderr.contains("read as qx, qy, qz, qw"), "{}", run.stderr);
     // On the command line, for a few.
     let renamed: Vec<String> =
         names.iter().map(|name| if name.len() == 1 { format!("P{name}") } else { name.clone() }).collect();
@@ -223,10 +223,10 @@ fn orientations_in_other_forms_are_the_same_poses() {
     }
     // Told wrongly, the data do not fit the robot; not told at all, the columns are an error.
     for (line, said) in [
-        ("fixed.csv --euler XYZ", "say --euler xyz"),
+        ("fixed.csv --euler XYZ", "use --euler xyz"),
         ("fixed.csv", "columns roll, pitch, yaw"),
         ("four.csv", "columns q1, q2, q3, q4"),
-        ("fixed.csv --euler XXY", "\"XXY\" names no order of angles"),
+        ("fixed.csv --euler XXY", "\"XXY\" is not an order of angles"),
         ("own.csv --euler XYZ", "no three columns are named like angles"),
         ("four.csv --quaternion wxy", "an order such as wxyz"),
     ] {
@@ -280,7 +280,7 @@ fn bad_exports_get_one_message_with_place_and_mend() {
         ("good.csv --columns order.toml", "order \"wxyy\" is not one of x, y, z, w, each once"),
         ("good.csv --columns length.toml", "not 1; are these its columns"),
         ("good.csv --columns joints.toml", "the map names columns of 1 joints where 6 are needed"),
-        ("good.csv --columns x=a,y", "\"y\" is no NAME=COLUMN"),
+        ("good.csv --columns x=a,y", "\"y\" is not NAME=COLUMN"),
         ("good.csv --joints short.script", "there are 1 rows of joint values where 40 are needed"),
         ("good.csv --joints poses.script", "1 pose(s), which say where the tool was sent"),
     ] {

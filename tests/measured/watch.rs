@@ -68,7 +68,7 @@ fn rows_are_judged_while_the_file_grows() {
     assert_eq!(child.wait().unwrap().code(), Some(0));
     let mut said = String::new();
     child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
-    assert!(said.contains("the file is shorter than before; its rows are taken anew"), "{said}");
+    assert!(said.contains("the file is shorter than before; all its rows are read again"), "{said}");
 }
 
 #[test]
@@ -83,8 +83,8 @@ fn a_whole_file_and_standard_input_end_by_themselves() {
     lines[17] = raised(&lines[17], 0.02);
     let run = denavit_with_input(&["measure", &ur5e(), "--data", "-", "--spread", "50"], &lines.concat());
     assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
-    let out: Vec<&str> = run.stdout.lines().filter(|line| line.contains("OUT OF LINE")).collect();
-    assert!(out.len() == 1 && out[0].starts_with("line 18: OUT OF LINE, 2"), "{out:?}");
+    let out: Vec<&str> = run.stdout.lines().filter(|line| line.contains("DOES NOT FIT")).collect();
+    assert!(out.len() == 1 && out[0].starts_with("line 18: DOES NOT FIT, 2"), "{out:?}");
 }
 
 #[test]
@@ -95,8 +95,8 @@ fn what_cannot_be_watched_is_refused() {
         assert_eq!(run.code, 2, "{}{}", run.stdout, run.stderr);
         assert!(run.stderr.contains(expected), "{}", run.stderr);
     };
-    refused("run.xlsx", &[], "run.xlsx: a workbook is no text that grows row by row");
-    refused("run.mcap", &["--watch"], "run.mcap: a bag is no text that grows row by row");
+    refused("run.xlsx", &[], "run.xlsx: a workbook does not grow row by row");
+    refused("run.mcap", &["--watch"], "run.mcap: a bag does not grow row by row");
     refused(&folder.file("empty.csv", &lines[0]), &[], "there are no rows below the header");
     let wide = lines[2].replacen(',', ",1,", 1);
     let bad = folder.file("bad.csv", &[&lines[0], &lines[1], &wide].map(String::as_str).concat());

@@ -1,6 +1,6 @@
-"""Where the build is, in any developer's environment: nobody else looks below `target`.
+"""Finds the build in any developer's environment: no other test looks below `target`.
 
-`tests/run` names the folder in DENAVIT_TARGET and the program in DENAVIT; where they are not set, cargo is asked.
+`tests/run` sets DENAVIT_TARGET (the folder) and DENAVIT (the program); if they are not set, cargo says where the folder is.
 """
 
 import functools
@@ -23,7 +23,7 @@ def target():
 
 
 def denavit():
-    """The program: the one that DENAVIT names, else the newer of the builds at hand."""
+    """The program: the one in DENAVIT, else the newest existing build."""
     if given := os.environ.get("DENAVIT"):
         programs = [Path(given)]
     else:

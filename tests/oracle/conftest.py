@@ -1,1 +1,1 @@
-"""Stands here so that every test below finds the modules of this folder."""
+"""Makes the modules of this folder importable for every test below it."""

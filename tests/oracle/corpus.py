@@ -1,4 +1,4 @@
-"""The URDF files that the oracle covers: those in the pinned wheels, in robots/ and in ../shared/vendor when it is there.
+"""The URDF files that the oracle covers: those in the pinned wheels, in robots/ and in ../shared/vendor if it exists.
 
 `python corpus.py` prints the list with the source of each.
 """

@@ -1,11 +1,11 @@
-"""Every operation of `denavit edit` over every URDF at hand: done, refused with the reason, wrong. Prints Markdown tables.
+"""Every operation of `denavit edit` on every available URDF: done, refused with the reason, wrong. Prints Markdown tables.
 
     python tests/oracle/edits.py [EVERY] [FIRST]      # one file in EVERY, from FIRST (0) on
 
-What is right is decided by four: yourdfpy (where every link is, mimic joints followed), pinocchio (where every link is, total mass,
-its centre, principal moments, and the joint-space inertia that is left when the base floats, which no change of frames or of the
-root alters), MuJoCo (links, shapes, each link's mass and centre, joint ranges), and `denavit diff` of the file before and the file
-that was edited there and back. Meshes that are not at hand are made here, so that each operation on meshes has something to read.
+Four readers decide what is right: yourdfpy (poses of all links, mimic joints followed), pinocchio (poses of all links, total mass,
+its centre, principal moments, and the joint-space inertia with a floating base, which does not depend on the frames or the
+root), MuJoCo (links, shapes, each link's mass and centre, joint ranges), and `denavit diff` of the file before and the file
+that was edited there and back. Missing meshes are made here, so that each operation on meshes has something to read.
 """
 
 import logging
@@ -37,7 +37,7 @@ MOVING = ("revolute", "continuous", "prismatic")
 SAME = 1e-9  # of the robot's size, and rad
 NOT_MOVED = 3e-6  # m: MuJoCo leaves out what moves a frame by less than 1e-6
 MASSES = 1e-7  # of the largest number
-ROUNDED = 5e-3  # what literals such as 1.57 may be off what they mean, along a chain
+ROUNDED = 5e-3  # error of literals such as 1.57, accumulated along a chain
 CONFIGURATIONS = 2  # the first at 0
 LEAST_SEEN = 1e-6  # kg: MuJoCo's bound on the mass of a link that moves
 PACKAGES = corpus.SOURCES["example-robot-data"].parents[1]
@@ -57,7 +57,7 @@ COMPILER = (
 
 
 logging.disable(logging.CRITICAL)
-# Else it keeps a log beside the program.
+# Otherwise it writes a log beside the program.
 mujoco.set_mju_user_warning(lambda words: None)
 
 
@@ -67,36 +67,36 @@ def identity(name):
 
 @dataclass
 class Case:
-    """An operation, and what must be so afterwards."""
+    """An operation, and what must be true afterwards."""
 
     name: str
     words: list
-    # Links are seen from this one, by its old name.
+    # Poses of links are relative to this one, by its old name.
     base: str
     link: object = identity
-    # The joint's new name, its sense, and what is added to its value.
+    # The joint's new name, its sense, and the offset of its value.
     joint: object = lambda name: (name, 1.0, 0.0)
-    # Points of the base frame go through this.
+    # Transform of points in the base frame.
     space: np.ndarray = field(default_factory=lambda: np.eye(3))
     scale: float = 1.0
-    # Whether link frames stay; else each may differ by a step that does not depend on joint values.
+    # Whether link frames stay; otherwise each may differ by a step that does not depend on joint values.
     frames: bool = True
-    # Links whose masses are those of the same links before; None: all of the robot's together.
+    # Links that keep their masses; None: only the robot's total.
     links: set | None = None
-    # Whether each link keeps its mass and its shapes: not where links are merged.
+    # Whether each link keeps its mass and its shapes: not if links are merged.
     each: bool = True
     shapes: bool = True
     collisions: bool = True
-    # Motion is that of another file, from base to tip.
+    # The motion from base to tip is that of another file.
     actual: tuple | None = None
-    # What is done to come back.
+    # The operations that undo it.
     back: list | None = None
-    # How nearly all is where it was, rad and times the robot's size.
+    # Tolerance of poses, rad and times the robot's size.
     near: float = SAME
 
 
 class Description:
-    """A URDF's text as XML: names, and which link carries which."""
+    """A URDF's text as XML: names, and the tree of links."""
 
     def __init__(self, path):
         self.root = etree.parse(str(path), etree.XMLParser(remove_comments=True, huge_tree=True)).getroot()
@@ -136,7 +136,7 @@ def numbers(element, name, default):
 
 
 def disturbed(robot, tip, to):
-    """A file in which the joints on the way to the tip are turned by some 0.1 mrad and moved by some 0.1 mm."""
+    """A file in which the joints on the way to the tip are turned by about 0.1 mrad and moved by about 0.1 mm."""
     copy = etree.fromstring(etree.tostring(robot.root))
     random = np.random.default_rng(3)
     way = [name for name in robot.way(tip) if robot.joints[name][0] in MOVING]
@@ -149,7 +149,7 @@ def disturbed(robot, tip, to):
             rpy = numbers(origin, "rpy", [0, 0, 0]) + 1e-4 * random.uniform(-1, 1, 3)
             origin.set("xyz", " ".join(map(repr, map(float, xyz))))
             origin.set("rpy", " ".join(map(repr, map(float, rpy))))
-    # The chain alone, so that the file's own chain is this one.
+    # Only the chain, so that it is the file's own chain.
     kept = set()
     for name in robot.way(tip):
         kept |= set(robot.joints[name][1:3])
@@ -161,7 +161,7 @@ def disturbed(robot, tip, to):
 
 
 def cases(robot, folder):
-    """What is asked of a robot; joints and links are picked by place."""
+    """The operations to try on a robot; joints and links are picked by index."""
     base = robot.base
     moving = [name for name, (kind, _, _, mimic) in robot.joints.items() if kind in MOVING and not mimic]
     parents = {parent for _, parent, _, _ in robot.joints.values()}
@@ -221,7 +221,7 @@ def cases(robot, folder):
     found.append(Case("meshes", ["meshes", "--to", "copies"], base))
     found.append(Case("snap", ["snap"], base, near=ROUNDED))
     found.append(Case("scale", ["scale", "2"], base, scale=2.0, back=["scale", "0.5"]))
-    # Where something is moved by less than a µm MuJoCo leaves it where it is; an inch keeps clear of that.
+    # MuJoCo ignores a displacement below 1 µm; an inch is far above.
     found.append(Case("units", ["units", "in"], base, scale=0.0254))
     return found
 
@@ -230,7 +230,7 @@ def cases(robot, folder):
 
 
 def blob(seed):
-    """A hull of a few points: a mesh that is no box."""
+    """The hull of a few points: a mesh that is not a box."""
     points = np.random.default_rng(seed).normal(size=(14, 3)) * [0.05, 0.08, 0.12] + [0.02, 0.0, 0.05]
     return trimesh.convex.convex_hull(points)
 
@@ -265,7 +265,7 @@ def write_mesh(path, seed):
 
 
 def put_meshes(robot, path, packages):
-    """Makes the mesh files that are not at hand, and all where they are large. Their places by the names that the robot has for them."""
+    """Makes the missing mesh files, and all if they are large. Returns their paths by the names in the robot."""
     places = {}
     names = sorted({mesh.get("filename", "").strip() for mesh in robot.root.iter("mesh")})
     own = [PACKAGES / name.removeprefix("package://") for name in names if name.startswith("package://")]
@@ -292,11 +292,11 @@ def put_meshes(robot, path, packages):
 
 
 class NotRead(Exception):
-    """A reader does not take the file."""
+    """A reader refuses the file."""
 
 
 class Yourdfpy:
-    """Where every link is; joints that mimic others follow."""
+    """Poses of all links; mimic joints follow."""
 
     def __init__(self, path):
         try:
@@ -311,7 +311,7 @@ class Yourdfpy:
             raise NotRead("joints have no names")
         self.joints = {joint.name for joint in self.robot.actuated_joints}
         self.known = {}
-        # From the root on: a walk from the root to each link is slow.
+        # Starts at the root: a walk from the root to each link is slow.
         by_parent = {}
         for joint in self.robot.robot.joints:
             by_parent.setdefault(joint.parent, []).append(joint)
@@ -320,7 +320,7 @@ class Yourdfpy:
             for joint in by_parent.get(new.pop(), ()):
                 self.order.append(joint)
                 new.append(joint.child)
-        # A file may have links that nothing joins to its root.
+        # A file may have links without a connection to its root.
         self.links = {self.robot.base_link, *(joint.child for joint in self.order)}
 
     def frames(self, values, base):
@@ -338,7 +338,7 @@ class Yourdfpy:
 
 
 class Pinocchio:
-    """Where every link is, and what all of them weigh together; every joint has a value of its own."""
+    """Poses of all links, and their total mass; every joint has a value of its own."""
 
     def __init__(self, path):
         try:
@@ -384,7 +384,7 @@ class Pinocchio:
 
 
 class Mujoco:
-    """Where every link and shape is, each link's mass and centre, joint ranges. A mesh counts as the box of its scale."""
+    """Poses of all links and shapes, each link's mass and centre, joint ranges. A mesh counts as the box of its scale."""
 
     def __init__(self, path):
         try:
@@ -394,7 +394,7 @@ class Mujoco:
                 mesh.tag = "box"
                 mesh.attrib.clear()
                 mesh.set("size", " ".join(map(repr, map(float, scale))))
-            # A link may be called as MuJoCo calls its own first body.
+            # A link may have the name of MuJoCo's own first body.
             for element in root.iter("link", "parent", "child"):
                 for name in ("name", "link"):
                     if element.get(name) == "world":
@@ -473,7 +473,7 @@ READERS = {"yourdfpy": Yourdfpy, "pinocchio": Pinocchio, "MuJoCo": Mujoco}
 
 
 class Wrong(Exception):
-    """The edited file is not what was asked for."""
+    """The edited file is not as requested."""
 
 
 def expect(holds, what):
@@ -517,7 +517,7 @@ def same_motion(before, after, slides, case, root):
         expected[:, :3, 3] = was[:, :3, 3] @ (case.scale * case.space).T
         size = max(1.0, np.linalg.norm(expected[:, :3, 3], axis=1).max())
         if not case.frames:
-            # Each frame may be another one of its link: the step between them does not depend on joint values.
+            # Each frame may be another frame of its link: the step between them does not depend on joint values.
             now = np.linalg.inv(expected) @ root @ found
             steps = now if steps is None else steps
             expected, found = steps, now
@@ -560,7 +560,7 @@ def same_matter(before, after, slides, case, root):
 
 
 def same_parts(before, after, slides, case, root):
-    """MuJoCo: shapes, masses of the links, ranges. `root`: the old base's frame to the new one's, where frames move."""
+    """MuJoCo: shapes, masses of the links, ranges. `root`: transform from the old base's frame to the new one's, if frames move."""
     space, within = case.scale * case.space, max(NOT_MOVED, case.near)
     base = case.link(case.base)
     kept = {link for link in before.links if case.link(link) in after.links}
@@ -611,7 +611,7 @@ def same_parts(before, after, slides, case, root):
 
 
 def base_moved(robot, case):
-    """The new base frame in the old one: `recentre` moves the root's to its centre of mass, and turns nothing."""
+    """The new base frame in the old one: `recentre` moves the root's frame to its centre of mass, without rotation."""
     step = np.eye(4)
     if case.name == "recentre":
         inertial = next(link for link in robot.root.findall("link") if link.get("name") == case.base).find("inertial")
@@ -621,7 +621,7 @@ def base_moved(robot, case):
 
 
 def encloses(before, after, places, folder):
-    """Every corner of a mesh that collided is inside of what replaces it. How many meshes."""
+    """Every corner of a collision mesh is inside its replacement. Returns the number of meshes."""
     meshes = 0
     for link in before.root.findall("link"):
         new = next(it for it in after.root.findall("link") if it.get("name") == link.get("name"))
@@ -676,7 +676,7 @@ def corners(place):
 
 
 def is_calibrated(after, case):
-    """The edited robot moves from base to tip as the file says, up to constant steps at both ends: here, none at the base."""
+    """The edited robot moves from base to tip like the given file, up to constant steps at both ends: here, none at the base."""
     source, base, tip = case.actual
     actual, edited = Yourdfpy(source), Yourdfpy(after)
     steps = None
@@ -691,7 +691,7 @@ def is_calibrated(after, case):
 
 @dataclass
 class Result:
-    """Of one operation on one robot."""
+    """Result of one operation on one robot."""
 
     state: str
     reason: str = ""
@@ -700,7 +700,7 @@ class Result:
 
 
 class Robot:
-    """A file of the corpus in a folder of its own, with the meshes that it names, and what reads it."""
+    """A file of the corpus in a folder of its own, with the meshes that it names, and its readers."""
 
     def __init__(self, path, folder):
         self.home = folder / "a/b/c/d/e/f/g"
@@ -729,7 +729,7 @@ class Robot:
         return cases(self.description, self.home)
 
     def tried(self, case, index):
-        """What becomes of an operation: done, refused, or wrong."""
+        """Result of an operation: done, refused, or wrong."""
         to = self.home / f"edited_{index}.urdf"
         run = self.edit(self.path, case.words, to)
         if run.returncode == 2 and run.stderr.startswith("error: ") and not to.exists():
@@ -786,7 +786,7 @@ class Robot:
         if again.read_bytes() == self.text:
             return "bytes"
         run = subprocess.run([denavit(), "diff", "--exact", self.path, again], capture_output=True, text=True)
-        # A default that is stated no longer is the same transmission.
+        # A default value that is no longer written means the same transmission.
         found = [line for line in run.stdout.splitlines()[1:] if not STATED.search(line)]
         expect(run.returncode == 0 or not found, f"there and back is another robot: {run.stdout.strip()[:600]}")
         return "same"
@@ -802,7 +802,7 @@ def reason(words):
 
 
 def tried(path):
-    """[(case's name, its words, what became of it)]; None where the file is no robot."""
+    """[(case's name, its words, its result)]; None if the file is not a robot."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             robot = Robot(path, Path(folder))

@@ -1,4 +1,4 @@
-"""Forward kinematics of every URDF of the corpus at random joint values, as JSON Lines, for the tests that are not Python.
+"""Forward kinematics of every URDF of the corpus at random joint values, as JSON Lines, for the tests in Rust.
 
     python fk.py target/oracle/fk.jsonl
 
@@ -8,12 +8,12 @@ One line for each (file, chain from a root link to a leaf link, joint vector):
      "by": [who computed this pose and agrees]}
 
 one line {"file", "refused": reason} for each file that yourdfpy does not read, and one {"file", "tip", "skipped": reason} for
-each leaf whose joints have no meaning (a mimic of a joint that is not there). The file is kept while the corpus and
-these scripts stay as they are.
+each leaf whose joints have no meaning (a mimic of a joint that does not exist). The file is kept while the corpus and
+these scripts are unchanged.
 
-Three programs compute each pose: yourdfpy, pinocchio (whose mimic joints are set by us) and `kinematics.py`. A pose is written
-when two of them agree to 1e-9 m and rad; who does not is named in "differs". A mimic of a mimic is multiplied out. Floating and
-planar joints have no place in a joint vector here: a chain with one starts below the last of them.
+Three programs compute each pose: yourdfpy, pinocchio (this script sets its mimic joints) and `kinematics.py`. A pose is written
+if two of them agree to 1e-9 m and rad; "differs" names the third if it does not. A mimic of a mimic is multiplied out. Joint
+vectors have no floating or planar joints: a chain with one starts below the last of them.
 """
 
 import hashlib
@@ -38,7 +38,7 @@ WIDEST_SLIDE = 10.0
 
 
 def key_of(files):
-    """Changes when a file, this script, what it imports or a pinned version does."""
+    """A key that changes with any file, this script, its imports and the pinned versions."""
     digest = hashlib.sha256()
     here = Path(__file__).parent
     for path in [here / name for name in ("fk.py", "kinematics.py", "corpus.py", "requirements.txt")] + [p for _, p in files]:
@@ -47,7 +47,7 @@ def key_of(files):
 
 
 def span(joint):
-    """The interval that values are drawn from: the limits, within a turn either way and 10 m."""
+    """The interval of the random values: the limits, within one turn either way and 10 m."""
     turning = joint.kind != "prismatic"
     widest = WIDEST_TURN if turning else WIDEST_SLIDE
     if joint.limits is None or joint.kind == "continuous":
@@ -57,7 +57,7 @@ def span(joint):
 
 
 def chains(tree):
-    """([(base, tip)], [(tip, trouble)]): up to CHAINS leaves, one for each set of driving joints first."""
+    """([(base, tip)], [(tip, error)]): up to CHAINS leaves, one for each set of driving joints first."""
     found, troubles = [], []
     for root in tree.roots:
         for leaf in tree.leaves:
@@ -121,7 +121,7 @@ class Pinocchio:
 
 
 def quiet():
-    """The C++ libraries complain on standard error about files whose trouble is recorded here anyhow."""
+    """Silences the C++ libraries, which complain on standard error about files whose errors are recorded here anyway."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
@@ -134,7 +134,7 @@ def records(path):
     lines, programs = [], {}
     try:
         tree = Tree(path)
-    except Exception as error:  # noqa: BLE001 - whatever a broken file brings about is the answer
+    except Exception as error:  # noqa: BLE001 - any error of a broken file is the result
         return [{"file": str(path), "refused": reason(error)}]
     for name, program in (("yourdfpy", Yourdfpy), ("pinocchio", Pinocchio)):
         try:

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Inverse kinematics beside EAIK and ssik: solutions and time per pose of 20 arms, each with the same poses. Prints a table.
+"""Inverse kinematics compared with EAIK and ssik: solutions and time per pose of 20 arms, with the same poses. Prints a table.
 
     cargo build --release -p denavit-ik --example peers
     python3 tests/oracle/ik_peers.py [--poses 10000] [--peer-poses 1000] [--target RELEASE_FOLDER] [ARM…]
 
 Arms: makers' URDF, three factory-calibrated arms of Universal Robots (../shared/vendor), random axes. A solution counts if it
-reaches the pose within 1e-6 (rad, share of the size); columns of solutions are means per pose. `lost` counts postures that are not among
-the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: one thread
-per pose, all branches, the quickest of passes that take turns: ours in a loop of Rust; `chain.ik` of our Python package, EAIK's batch
-call, which makes a Python object per pose. ssik's Python call once. `one` is the same with one pose a call (ssik has no batch). `none`: the peer has no method for the arm, or no answer within the processor time allowed; standard error says which.
+reaches the pose within 1e-6 (rad, fraction of the size); columns of solutions are means per pose. `lost` counts postures that are not
+among the solutions of their own pose, `we miss` a peer's solutions that are not among ours, `it misses` the reverse. Times: one thread,
+per pose, all branches, the fastest of alternating passes: ours in a loop in Rust; `chain.ik` of our Python package; EAIK's batch call,
+which makes a Python object per pose; ssik's Python call, once. `one`: one pose per call (ssik has no batch). `none`: the peer has no
+method for the arm, or no answer within the processor time; standard error says which.
 Packages: numpy, pin, EAIK, ssik, denavit (a release build of python/).
 """
 
@@ -27,13 +28,13 @@ TOP = Path(__file__).resolve().parents[2]
 SHARED = TOP.parent / "shared/vendor"
 REACHED = 1e-6
 SAME = 1e-4
-# Passes over the poses, in turns; the quickest counts, as other programs and the processor's clock make the others slower.
+# Alternating passes over the poses; the fastest counts, because other programs and the processor's clock slow down the others.
 TURNS = 15
-# Passes of ours in Rust in a run, beside the one whose solutions are compared.
+# Passes in Rust in one run, besides the one whose solutions are compared.
 MORE = 10
-# Where a call takes longer (s), there is one turn: arms of the general class.
+# A call that takes longer than this (s) runs once: arms of the general class.
 LONG = 2.0
-# Poses that are solved one a call.
+# Poses that are solved with one call each.
 ONES = 1000
 # Processor time of a peer on one arm, s.
 PATIENCE = 20
@@ -80,7 +81,7 @@ class Arm:
         return rotation @ self.home[:3, :3], place
 
     def urdf(self):
-        """The arm as a URDF from base to tip: frames of all joints lie along the base's at zero."""
+        """The arm as a URDF from base to tip: at zero, the frames of all joints are parallel to the base's."""
         point = lambda v: " ".join(map(repr, map(float, v)))  # noqa: E731
         at, out = np.zeros(3), '<robot name="arm"><link name="base"/>'
         for k, (w, p) in enumerate(zip(self.directions, self.points, strict=True)):
@@ -101,7 +102,7 @@ def of_urdf(path):
 
     model = pinocchio.buildModelFromUrdf(str(path))
     data = model.createData()
-    # The first six joints that turn, from the base: grippers hang behind them.
+    # The first six joints that turn, from the base: grippers come after them.
     q = pinocchio.neutral(model)
     pinocchio.computeJointJacobians(model, data, q)
     chain = []
@@ -165,16 +166,16 @@ def arms():
 
 
 def eaik(arm, rotations, places):
-    """Solutions (index, joints) and calls to be timed; None where EAIK says that it has no decomposition."""
+    """Solutions (index, joints) and calls to be timed; None if EAIK has no decomposition for the arm."""
     from eaik.IK_HP import HPRobot
 
-    # Offsets from axis to axis, and from the last to the tip, as EAIK takes them.
+    # Offsets from axis to axis, and from the last to the tip, as EAIK expects them.
     points = np.vstack([np.zeros(3), arm.points, arm.home[:3, 3]])
     robot = HPRobot(arm.directions, np.diff(points, axis=0))
     if not robot.hasKnownDecomposition():
         return None
     targets = np.tile(np.eye(4), (len(places), 1, 1))
-    # EAIK's tip is turned as the base at zero.
+    # At zero, EAIK's tip has the orientation of the base.
     targets[:, :3, :3], targets[:, :3, 3] = rotations @ arm.home[:3, :3].T, places
     found = robot.IK_batched(targets, 1)
     pairs = [(at, q) for at, one in enumerate(found) for q in np.atleast_2d(one.Q) if q.size]
@@ -195,7 +196,7 @@ def seconds(call):
 
 
 def in_turns(calls):
-    """The least seconds of each call; in turns, so that none has the machine in a better hour."""
+    """The smallest time of each call, s; the calls alternate, so that the load of the machine affects all equally."""
     least = [seconds(call) for call in calls]
     for _ in range(0 if max(least, default=0) > LONG else TURNS):
         least = [min(before, seconds(call)) for before, call in zip(least, calls, strict=True)]
@@ -225,12 +226,12 @@ def ours(arm, q, program, folder):
 
     method = run(0)
     rows = np.fromfile(folder / "solutions.bin", "<f8").reshape(-1, arm.n + 1)
-    # The difference of the two is the solver's time alone, without the start and the files.
+    # The difference of the two is the solver's time without start and files.
     return rows[:, 0].astype(int), rows[:, 1:], (lambda: run(0), lambda: run(MORE)), method
 
 
 def ssik(arm, rotations, places, folder):
-    """Solutions (index, joints) of ssik's Python solver, and what is to be timed: what it took."""
+    """Solutions (index, joints) of ssik's Python solver, and its time."""
     import ssik
 
     (folder / "arm.urdf").write_text(arm.urdf())
@@ -245,7 +246,7 @@ def ssik(arm, rotations, places, folder):
 
 
 def reaching(arm, index, q, rotations, places):
-    """The solutions that reach their pose, each once."""
+    """The solutions that reach their pose, without duplicates."""
     if len(index) == 0:
         return index, q
     rotation, place = arm.fk(q)
@@ -271,7 +272,7 @@ def apart(a, b):
 
 
 def absent(index, q, among, of):
-    """Which solutions (index, q) are not among those (among, of), both sorted by pose."""
+    """Which solutions (index, q) are not among the others (among, of), both sorted by pose."""
     table, _ = by_poses(among, of)
     here = index < len(table)
     result = np.ones(len(index), bool)
@@ -281,7 +282,7 @@ def absent(index, q, among, of):
 
 @contextlib.contextmanager
 def at_most(seconds):
-    """Raises TimeoutError where the processor has worked so long."""
+    """Raises TimeoutError after this much processor time."""
 
     def stop(*_):
         raise TimeoutError(f"no answer within {seconds} s")

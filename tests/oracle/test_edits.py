@@ -1,6 +1,6 @@
-"""Edits compared by readers that are not ours: every operation on a slice of the files that `edits.py` takes whole.
+"""Edits checked by independent readers: every operation on some of the files of `edits.py`.
 
-What is refused has a reason; what is done is right by yourdfpy, pinocchio and MuJoCo, and comes back by `denavit diff`.
+A refusal has a reason; an edit is right by yourdfpy, pinocchio and MuJoCo, and can be undone, by `denavit diff`.
 """
 
 import pytest
@@ -26,7 +26,7 @@ def test_every_operation_is_done_right_or_refused(path, tmp_path):
     assert not wrong
     done = [(case, result) for case, result in results if result.state == "done"]
     assert done
-    # No check is left out where a reader takes the file.
+    # No check is left out if a reader accepts the file.
     readers = set(robot.readers)
     assert all(set(result.checked) >= readers for case, result in done if case.actual is None)
     assert all(result.came_back for case, result in done if case.back)

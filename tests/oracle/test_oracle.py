@@ -1,4 +1,4 @@
-"""The oracle itself: `kinematics.py` against poses worked out by hand, and where yourdfpy and pinocchio fall short of URDF."""
+"""The oracle itself: `kinematics.py` compared with poses computed by hand, and where yourdfpy and pinocchio deviate from URDF."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ PARTS = {
 
 
 def plane(x, y, turn):
-    """A pose in the plane of x and y."""
+    """A pose in the x-y plane."""
     c, s = np.cos(turn), np.sin(turn)
     return np.array([[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, 0], [0, 0, 0, 1]])
 

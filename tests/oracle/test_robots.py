@@ -1,4 +1,4 @@
-"""The robots of this repository against their vendors' D-H tables and, where there are any, the vendors' URDFs."""
+"""The robots of this repository compared with their vendors' D-H tables and, if any, the vendors' URDFs."""
 
 import json
 import warnings
@@ -20,7 +20,7 @@ HALF, QUARTER = np.pi, np.pi / 2
 
 @dataclass
 class Table:
-    """A vendor table and where its frames, senses and zeros lie in our URDF: q_table = sense q + zero."""
+    """A vendor table and its frames, senses and zeros in our URDF: q_table = sense q + zero."""
 
     urdf: str
     table: str

@@ -1,4 +1,4 @@
-"""The pictures of the terminal in docs/quick-start.md show what the program says today, in no more than 80 columns."""
+"""The terminal pictures in docs/quick-start.md show the program's current output, in at most 80 columns."""
 
 import os
 import re
@@ -25,6 +25,6 @@ def test_pictures_show_what_a_terminal_shows(tmp_path):
     assert drawn.keys() == kept.keys() and len(kept) >= 3
     for name, shown in drawn.items():
         assert all(len(row) <= 80 for row in shown), name
-        # The last digits of a fit differ from processor to processor.
+        # The last digits of a fit depend on the processor.
         without_digits = [[re.sub(r"[0-9]", "9", row) for row in picture] for picture in (kept[name], shown)]
         assert without_digits[0] == without_digits[1], f"{name}: draw them anew: DENAVIT=... docs/site/terminal.py"

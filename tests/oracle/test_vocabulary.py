@@ -1,4 +1,4 @@
-"""The words of MJCF and SDF that completion offers are those of MuJoCo and of sdformat."""
+"""Completion offers MuJoCo's words for MJCF and sdformat's for SDF."""
 
 import os
 import sys

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Which words MJCF and SDF have: the lists that completion in an editor uses, from MuJoCo's schema and from sdformat's specification.
+"""Vocabulary of MJCF and SDF for completion in an editor, from MuJoCo's schema and from sdformat's specification.
 
     python3 tests/oracle/vocabulary.py mjcf > crates/lsp/src/vocabulary/mjcf.txt
     python3 tests/oracle/vocabulary.py sdf  > crates/lsp/src/vocabulary/sdf.txt    (Debian's package sdformat-sdf, or its folder of 1.9)
 
-A line is an element: indentation by its depth, its tag, then its attributes; `=a|b` after a name lists the values that it may have, after
+A line is an element: indentation by its depth, its tag, then its attributes; `=a|b` after a name lists its allowed values, after
 the tag those of the text. `@tag` is the element of that name at the left margin.
 """
 
@@ -51,7 +51,7 @@ SWITCHES = {
     "connect": ["active"],
     "weld": ["active"],
 }
-# Elements that the schema leaves out: what MuJoCo makes of them before it looks at the schema.
+# Elements missing in the schema: MuJoCo handles them before it applies the schema.
 FRAME = "name childclass pos quat axisangle euler xyaxes zaxis".split()
 REPLICATE = "count offset euler sep".split()
 SHARED = ["geom", "site", "camera", "light", "plugin", "attach", "flexcomp"]
@@ -140,7 +140,7 @@ LATER = {
     "axis2": [" mimic joint axis", "  multiplier", "  offset", "  reference"],
     "joint": [" screw_thread_pitch"],
 }
-# Recorded states, and what a description of a robot does not have.
+# Recorded states, and elements that a description of a robot does not have.
 WITHOUT = {"state.sdf", "model_state.sdf", "link_state.sdf", "light_state.sdf", "gui.sdf", "actor.sdf", "population.sdf", "road.sdf"}
 
 

@@ -63,7 +63,7 @@ fn names_of_links_and_joints_that_do_not_exist_are_found_everywhere() {
         "<constraint name=\"c\"><parent link=\"a\"/><child link=\"c\"/></constraint>",
         &["constraint \"c\": link \"c\" does not exist"],
     );
-    dangling("<transmission name=\"t\"><joint name=\"a\"/></transmission>", &["there is a link of that name"]);
+    dangling("<transmission name=\"t\"><joint name=\"a\"/></transmission>", &["a link has that name"]);
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn degrees_are_found_and_large_radians_are_not() {
             "<axis xyz=\"0 0 1\"/><limit lower=\"{lower}\" upper=\"{upper}\" effort=\"1\" velocity=\"{velocity}\"/>"
         )
     };
-    joint(&limit("-180", "180", "90"), &["lower -180 and upper 180 are round numbers of degrees; write -3.14159"]);
+    joint(&limit("-180", "180", "90"), &["lower -180 and upper 180 look like degrees; write -3.14159"]);
     joint(&limit("-170", "170", "2"), &["lower -170"]);
     joint(&limit("0", "45", "1"), &["upper 45"]);
     joint(&limit("-3.1", "3.1", "180"), &["velocity 180 is a round number of degrees per second"]);
@@ -90,9 +90,7 @@ fn degrees_are_found_and_large_radians_are_not() {
     }
     joint(
         &format!("<origin rpy=\"0 -90 180\"/>{LIMIT}"),
-        &[
-            "rpy counts in radians: 0 -90 180 has round numbers of degrees; write 0 -1.5707963267948966 3.141592653589793",
-        ],
+        &["rpy uses radians: 0 -90 180 looks like degrees; write 0 -1.5707963267948966 3.141592653589793"],
     );
     joint(&format!("<origin rpy=\"0 0 22.5\"/>{LIMIT}"), &["22.5"]);
     joint(&format!("<origin rpy=\"0 6.283185307 12.566370614359172\"/>{LIMIT}"), &[]);
@@ -103,8 +101,8 @@ fn degrees_are_found_and_large_radians_are_not() {
     );
     let visual =
         "<link name=\"a\"><visual><origin rpy=\"90 0 0\"/><geometry><sphere radius=\"1\"/></geometry></visual></link>";
-    check("D017", &arm(LIMIT, "").replace("<link name=\"a\"/>", visual), &["link \"a\": rpy counts in radians"]);
-    check("D017", &arm(LIMIT, "<gazebo><pose>0 0 0 90 0 0</pose></gazebo>"), &["pose counts in radians"]);
+    check("D017", &arm(LIMIT, "").replace("<link name=\"a\"/>", visual), &["link \"a\": rpy uses radians"]);
+    check("D017", &arm(LIMIT, "<gazebo><pose>0 0 0 90 0 0</pose></gazebo>"), &["pose uses radians"]);
     check("D017", &arm(LIMIT, "<gazebo><pose degrees=\"true\">0 0 0 90 0 0</pose></gazebo>"), &[]);
     // A slide of 90 m is no angle.
     let slide = arm(&limit("-90", "90", "180"), "").replace("revolute", "prismatic");
@@ -227,7 +225,7 @@ fn with_a_baseline_only_what_is_new_fails() {
     assert_eq!(trial.run("check robots").code, 1);
     let written = trial.run("check --write-baseline known.json robots");
     assert_eq!((written.code, written.stdout.as_str()), (0, ""), "{}", written.stderr);
-    assert!(written.stderr.contains("of 1 file(s) are known from now on"), "{}", written.stderr);
+    assert!(written.stderr.contains("of 1 file(s) are now known"), "{}", written.stderr);
     let clean = |line: &str| {
         let run = trial.run(line);
         assert_eq!(run.code, 0, "{line}: {}", run.stdout);
@@ -283,12 +281,12 @@ fn an_srdf_is_checked_against_its_robot() {
     for (line, words) in lines.iter().zip(expected) {
         assert!(line.contains(words), "{line}\n{words}");
     }
-    trial.refuses("check r.srdf", "no robot \"arm\" is named; name its URDF as well");
+    trial.refuses("check r.srdf", "the robot \"arm\" is not among the files; name its URDF, too");
     assert!(trial.run("check .").stdout.contains("r.srdf:3: warning D042"));
     let other =
         Trial::new().with("r.urdf", &arm(LIMIT, "")).with("r.srdf", "<robot name=\"mra\"><group name=\"g\"/></robot>");
     let said = other.run("check r.urdf r.srdf").stdout;
-    assert!(said.contains("it is for the robot \"mra\", and the robot's name is \"arm\""), "{said}");
+    assert!(said.contains("it is for robot \"mra\", but the robot's name is \"arm\""), "{said}");
     assert_eq!(Trial::new().with("r.srdf", "<robot").run("check arm.urdf r.srdf").code, 1);
 }
 
@@ -451,7 +449,11 @@ fn what_is_outside_the_repository_is_read_as_it_is_now_and_said() {
     let line = format!("expand git:HEAD:x/urdf/o.urdf.xacro --package-path {}", outside.folder().display());
     let run = trial.run(&line);
     assert!(run.code == 0 && run.stdout.contains("link name=\"far\""), "{}", run.stderr);
-    assert!(run.stderr.contains("l.xacro is outside the repository, and was read as it is now"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("l.xacro is outside the repository, so its present content was read"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]
@@ -481,7 +483,7 @@ fn the_hooks_see_xacro_included_files_and_renamed_files() {
     // The rules: a file of macros is no robot, a broken one is one.
     let run = ran(&trial, "denavit check --robots-only x/urdf/m.xacro x/urdf/r.urdf.xacro");
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
-    assert!(run.stderr.contains("x/urdf/m.xacro: left out, as it is no robot by itself"), "{}", run.stderr);
+    assert!(run.stderr.contains("x/urdf/m.xacro: left out, as it is not a robot by itself"), "{}", run.stderr);
     std::fs::write(trial.path("x/urdf/r.urdf.xacro"), ROBOT.replace("/m.xacro", "/n.xacro")).unwrap();
     assert_eq!(ran(&trial, "denavit check --robots-only x/urdf/r.urdf.xacro").code, 2);
 }

@@ -46,7 +46,7 @@ fn commands_keep_the_configuration_or_say_that_it_changes() {
     let line = line.concat();
     let trial = Trial::new().with("line.csv", &format!("{POSES}{line}"));
     let run = trial.run("compensate arm.urdf --poses line.csv --units mm,deg");
-    assert!(!run.stdout.contains("another configuration"), "{}", run.stdout);
+    assert!(!run.stdout.contains("changes its configuration"), "{}", run.stdout);
     let commands = rows(&run.succeeded());
     for pair in commands.windows(2) {
         let most = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -70,7 +70,7 @@ fn commands_keep_the_configuration_or_say_that_it_changes() {
     let second = &json["commands"][1];
     if second["state"] == "reached" {
         assert_eq!(second["keeps_configuration"], false);
-        assert!(run.stdout.contains("line 3: the arm takes another configuration than before"), "{}", run.stdout);
+        assert!(run.stdout.contains("line 3: the arm changes its configuration"), "{}", run.stdout);
     } else {
         assert!(run.stdout.contains("line 3: out"), "{}", run.stdout);
     }
@@ -99,7 +99,7 @@ fn a_few_new_poses_go_on_from_an_earlier_calibration() {
     let again = "calibrate arm.urdf --data later.csv --effects none --hold-out 0.5 --prior before.json";
     let said = trial.run(again).succeeded();
     let counted =
-        "prior: what before.json says of the axes counts in full; stage \"earlier\" is that robot on these rows\n";
+        "prior: the axis estimate of before.json counts in full; stage \"earlier\" is that robot on these rows\n";
     assert!(said.contains(counted) && said.contains("\nearlier "), "{said}");
     let json: serde_json::Value = serde_json::from_str(&trial.run(&format!("{again} --json")).succeeded()).unwrap();
     assert_eq!(json["origin"]["files"][1]["used"], "prior");
@@ -131,6 +131,6 @@ fn what_a_run_left_open_is_planned_for() {
     trial.refuses("plan arm.urdf --tell-apart none.csv", "none.csv");
     trial.refuses("plan arm.urdf", "--count");
     trial.refuses("plan arm.urdf --tell-apart run.csv --measure poses", "--measure");
-    trial.refuses("plan arm.urdf --tell-apart run.csv --count 8 --spread 4", "ask for fewer");
+    trial.refuses("plan arm.urdf --tell-apart run.csv --count 8 --spread 4", "choose fewer poses");
     trial.refuses("plan arm.urdf --tell-apart run.csv -o run.csv", "run.csv");
 }

@@ -24,9 +24,9 @@ fn what_cannot_be_edited_says_why_and_writes_nothing() {
         <link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/>
         <origin xyz="${l} 0 0"/></joint></robot>"#;
     let trial = Trial::new().with("bent.xacro", xacro);
-    trial.refuses("edit bent.xacro flip j -o out.urdf", "this is xacro: one line of it may stand for several joints");
+    trial.refuses("edit bent.xacro flip j -o out.urdf", "this is xacro: one line may make several joints");
     trial.refuses("edit arm.urdf flip elbow -o out.urdf", "the robot has no joint \"elbow\"");
-    trial.refuses("edit arm.urdf turn elbow_joint -o out.urdf", "\"turn\" is no operation");
+    trial.refuses("edit arm.urdf turn elbow_joint -o out.urdf", "\"turn\" is not an operation");
     trial.refuses("edit arm.urdf flip elbow_joint --keep tool0 -o out.urdf", "flip takes no --keep; write flip JOINT");
     assert!(!trial.path("out.urdf").exists());
     trial.run("edit bent.xacro flip j --expand -o out.urdf").succeeded();
@@ -42,7 +42,7 @@ fn a_makers_figures_go_into_the_joint_origins() {
     let trial = trial.with("actual.csv", &actual);
     trial.refuses("edit arm.urdf set-calibration actual.csv -o out.urdf", "--nominal FILE names the maker's table");
     let said = trial.run("edit arm.urdf set-calibration actual.csv --nominal drawn.csv -o out.urdf").succeeded();
-    assert!(said.starts_with("set-calibration actual.csv: moves on purpose, within "), "{said}");
+    assert!(said.starts_with("set-calibration actual.csv: moves as intended, within "), "{said}");
     assert!(said.contains("e-4 m and"), "{said}");
     assert!(trial.text("out.urdf").contains("0 0 0.1627"));
 }
@@ -98,7 +98,7 @@ fn shapes_around_a_mesh_hold_it_and_say_what_they_add() {
     let trial = shaped();
     let run = trial.run("edit shaped.urdf simplify-collision box --package-path . -o box.urdf --json box.json");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("all 12 corners of triangles are inside"), "{}", run.stdout);
+    assert!(run.stdout.contains("all 12 triangle vertices are inside"), "{}", run.stdout);
     // A tetrahedron has a sixth of its box.
     assert!(run.stderr.contains("500 % of the mesh's volume"), "{}", run.stderr);
     let text = trial.text("box.urdf");
@@ -107,13 +107,13 @@ fn shapes_around_a_mesh_hold_it_and_say_what_they_add() {
     assert!(trial.text("box.json").contains("\"schema\": \"denavit.edit/1\""));
     trial.refuses(
         "edit shaped.urdf simplify-collision hull --package-path . -o hull.urdf",
-        "a hull is a file of its own; name the folder that it goes to",
+        "a hull needs its own file; name a folder for it",
     );
     trial.refuses(
         "edit shaped.urdf simplify-collision cone -o out.urdf",
-        "there is no shape \"cone\"; write box, cylinder, sphere, smallest or hull",
+        "\"cone\" is not a shape; write box, cylinder, sphere, smallest or hull",
     );
-    trial.refuses("edit arm.urdf simplify-collision box -o out.urdf", "no collision shape of these links is a mesh");
+    trial.refuses("edit arm.urdf simplify-collision box -o out.urdf", "these links have no collision mesh");
     trial.run("edit shaped.urdf simplify-collision hull --package-path . --to hulls -o hull.urdf").succeeded();
     assert!(trial.text("hull.urdf").contains(r#"<mesh filename="hulls/a_hull.obj" scale="0.001 0.001 0.001"/>"#));
     assert_eq!(trial.text("hulls/a_hull.obj").lines().filter(|line| line.starts_with("f ")).count(), 4);
@@ -126,7 +126,7 @@ fn the_model_of_a_controllers_file_is_that_of_the_robot() {
     let trial = Trial::new().with("calibration.conf", conf);
     let run = trial.run("edit arm.urdf set-calibration calibration.conf -o out.urdf");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("ur_type:=ur5e is taken"), "{}", run.stderr);
+    assert!(run.stderr.contains("ur_type:=ur5e is assumed"), "{}", run.stderr);
     assert!(trial.text("out.urdf").contains("-0.424"), "{}", trial.text("out.urdf"));
 }
 
@@ -142,13 +142,10 @@ fn numbers_that_are_added_to_origins_are_added() {
     assert!(trial.text("pal.urdf").contains(r#"<origin xyz="-0.4246 0 0" rpy="0.0051 0 0"/>"#));
     trial.run("edit arm.urdf set-calibration offsets.yaml -o offsets.urdf").succeeded();
     assert!(trial.text("offsets.urdf").contains(r#"<origin xyz="-0.424 0 0" rpy="0.002 0 0"/>"#));
-    trial.refuses(
-        "edit arm.urdf set-calibration other.yaml -o out.urdf",
-        "none of its keys is of a joint of this robot",
-    );
+    trial.refuses("edit arm.urdf set-calibration other.yaml -o out.urdf", "no key names a joint of this robot");
     trial.refuses(
         "edit arm.urdf set-calibration far.yaml -o out.urdf",
-        "by 1000 mm and 0.0°: these are figures of another robot",
+        "by 1000 mm and 0.0°: this calibration is for another robot",
     );
 }
 

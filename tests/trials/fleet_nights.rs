@@ -25,7 +25,7 @@ fn a_failed_night_stays_failed_until_it_succeeds() {
         let run = trial.run("fleet run plant.csv -o store");
         assert_eq!(run.code, 1, "{}", run.stderr);
         assert!(run.stdout.contains("1 failed") && run.stdout.contains("SN-2 2026-11-02 calibrate"), "{}", run.stdout);
-        let known = if again == 0 { "4 done now, 0 were there" } else { "1 done now, 3 were there" };
+        let known = if again == 0 { "4 done now, 0 done before" } else { "1 done now, 3 done before" };
         assert!(run.stdout.contains(known), "{}", run.stdout);
     }
     let watch = trial.run("fleet watch store --junit tests.xml --markdown night.md");
@@ -71,6 +71,6 @@ fn a_mass_of_the_manifest_reaches_the_fit() {
     let zero = trial.run("fleet run heavy.csv -o store --set mass=0");
     assert!(zero.code == 2 && zero.stderr.contains("write a number above 0"), "{}", zero.stderr);
     let heavy = trial.run("fleet run heavy.csv -o store --set mass=30");
-    assert!(heavy.stdout.contains("1 done now, 0 were there, 1 failed"), "{}{}", heavy.stdout, heavy.stderr);
+    assert!(heavy.stdout.contains("1 done now, 0 done before, 1 failed"), "{}{}", heavy.stdout, heavy.stderr);
     assert!(heavy.stdout.contains("the description has masses"), "{}", heavy.stdout);
 }

@@ -50,7 +50,7 @@ fn both_places_come_out_of_pairs_of_poses() {
     // The other arrangement does not fit, and is refused.
     let wrong = trial.run("hand-eye --data pairs.csv --on-hand");
     assert_eq!(wrong.code, 2, "{}", wrong.stdout);
-    assert!(wrong.stderr.contains("robot and instrument do not move alike"), "{}", wrong.stderr);
+    assert!(wrong.stderr.contains("the motions of robot and instrument do not agree"), "{}", wrong.stderr);
     let launch = trial.run("hand-eye --data pairs.csv --format ros-launch --parent base_link --child cam").succeeded();
     assert!(launch.contains("--x 2.5") && launch.contains("--frame-id base_link --child-frame-id cam"), "{launch}");
     let urdf = trial.run("hand-eye --data pairs.csv --format urdf --child cam").succeeded();
@@ -81,7 +81,7 @@ fn the_file_of_a_forum_gives_the_answer_beside_it() {
 fn what_is_wrong_is_named_with_its_place() {
     let trial = Trial::new().with("pairs.csv", &pairs(20)).with("no.csv", "x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n");
     trial.refuses("hand-eye --data no.csv", "no.csv:1: column \"robot_x\" is missing; a pair of poses needs");
-    trial.refuses("hand-eye --data pairs.csv --robot-angles XXY", "--robot-angles: \"XXY\" names no order of angles");
+    trial.refuses("hand-eye --data pairs.csv --robot-angles XXY", "--robot-angles: \"XXY\" is not an order of angles");
     let two = pairs(2);
     let trial = trial.with("two.csv", &two);
     trial.refuses("hand-eye --data two.csv", "two.csv: 2 poses; hand-eye calibration needs 3 at least");

@@ -145,7 +145,7 @@ fn a_joint_that_counts_from_another_zero_is_gone_on_with_at_every_number_of_rows
         let rows: Vec<Vec<String>> = rows[..count].iter().map(coupled).collect();
         std::fs::write(trial.path("run.csv"), joined(&names, &rows)).unwrap();
         let said = treated(&trial.run("calibrate arm.urdf --data run.csv --effects none"));
-        assert!(said.starts_with("used: \"elbow_joint\" were counted from the ground"), "{count} rows: {said}");
+        assert!(said.starts_with("used: \"elbow_joint\" were measured from the ground"), "{count} rows: {said}");
     }
 }
 
@@ -212,7 +212,7 @@ fn the_convention_of_an_orientation_is_proposed() {
     for order in ["XYZ", "xyz", "ZYX", "zxz"] {
         trial.refuses(
             &format!("calibrate arm.urdf --data run.csv --euler {order} --effects none"),
-            "say --rotation-vector",
+            "use --rotation-vector",
         );
     }
     // The same numbers as angles of fixed axes.
@@ -306,9 +306,9 @@ fn an_instrument_that_was_placed_anew_before_the_test_is_named() {
     let text = changed(&trial.text("later.csv"), "x", |x| x + 0.031);
     std::fs::write(trial.path("moved.csv"), changed(&text, "z", |z| z - 0.012)).unwrap();
     let run = trial.run("calibrate arm.urdf --data run.csv --test moved.csv --effects none");
-    assert!(run.stderr.contains("placed anew before them: instrument (by 33.2"), "{}", run.stderr);
+    assert!(run.stderr.contains("moved before them: instrument (by 33.2"), "{}", run.stderr);
     let said = run.succeeded();
-    assert!(said.starts_with("ATTENTION: the test rows are judged as if"), "{said}");
+    assert!(said.starts_with("ATTENTION: the test rows are evaluated as if"), "{said}");
     let found = report(&trial, "--data run.csv --test moved.csv");
     let errors = |found: &Value| found["stages"][1]["test"]["position_rms_m"].as_f64().unwrap();
     let as_it_was = errors(&report(&trial, "--data run.csv --test later.csv"));
@@ -394,12 +394,12 @@ fn what_was_met_in_the_wild_is_said_rightly() {
     assert!(treated(&zero).starts_with("used: \"elbow_joint\" counted from 90°"), "{}{}", zero.stdout, zero.stderr);
     for order in ["xyz", "XYZ", "ZYX"] {
         let said = run("orientation-convention/rotvec.csv", &format!("--euler {order}")).failed();
-        assert!(said.contains("say --rotation-vector"), "{said}");
+        assert!(said.contains("use --rotation-vector"), "{said}");
     }
     // The columns rz, ry, rx in the order ZYX are the same rotation.
     for options in ["--rotation-vector", "--euler XYZ"] {
         let said = run("orientation-convention/xyz_fixed.csv", options).failed();
-        assert!(said.contains("say --euler xyz"), "{said}");
+        assert!(said.contains("use --euler xyz"), "{said}");
     }
     let said = run("units-not-stated/rad_m_40.csv", "--units mm,deg").failed();
     assert!(said.contains("all angles were in rad and all lengths were in m"), "{said}");

@@ -64,8 +64,8 @@ fn what_is_no_fingerprint_is_trouble_not_a_difference() {
         let run = trial.run(&format!("fingerprint arm.urdf --expect={written}"));
         assert!(run.code == 2 && run.stderr.contains(said), "{written}: {}", run.stderr);
     };
-    refuses("abc", "\"abc\" is no fingerprint; it reads like");
-    refuses(&own.trim()[..own.len() - 2], "is no fingerprint");
+    refuses("abc", "\"abc\" is not a fingerprint; it looks like");
+    refuses(&own.trim()[..own.len() - 2], "is not a fingerprint");
     refuses(&own.trim().replacen("d3", "d1", 1), "is of format d1, and this version hashes more");
     refuses(&own.trim().replacen("1e-6", "1e-5", 1), "has the tolerance 1e-5; compare with --tolerance 1e-5");
     let other = own.trim().chars().map(|c| if c == 'a' { 'b' } else { c }).collect::<String>();
@@ -93,7 +93,7 @@ fn no_note_says_that_nothing_moves() {
         <joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"c\"/><origin rpy=\"1.57 0 0\"/></joint></robot>";
     let trial = Trial::new().with("turned.urdf", turned);
     let text = trial.run("table turned.urdf").succeeded();
-    assert!(text.contains("1.57 read as π/2; the tip turns by at most 8.0e-4 rad, and moves by nothing"), "{text}");
+    assert!(text.contains("1.57 read as π/2; the tip turns by at most 8.0e-4 rad and does not move"), "{text}");
     let mut said = BTreeSet::new();
     for path in crate::support::files(&crate::support::top().join("robots"), "urdf") {
         let run = crate::support::denavit(&["table", path.to_str().unwrap()]);
@@ -125,7 +125,7 @@ fn a_home_pose_that_is_no_rotation_is_refused() {
     };
     let trial = trial.with("mirrored.json", &altered(|x| *x = -*x)).with("scaled.json", &altered(|x| *x *= 1.1));
     for file in ["mirrored.json", "scaled.json"] {
-        trial.refuses(&format!("table {file}"), "the home pose is no rotation");
+        trial.refuses(&format!("table {file}"), "the rotation of the home pose is invalid");
         trial.refuses(&format!("table {file}"), file);
     }
 }

@@ -46,7 +46,7 @@ fn a_link_stays_and_what_it_leads_to_is_replaced() {
     assert!(trial.text("not_there_yet.txt").contains("elbow_joint"));
     symlink("b", trial.path("a")).unwrap();
     symlink("a", trial.path("b")).unwrap();
-    trial.refuses("table arm.urdf -o a", "its links lead in a circle");
+    trial.refuses("table arm.urdf -o a", "its links form a loop");
 }
 
 #[test]
@@ -181,9 +181,9 @@ fn two_outputs_need_two_places() {
     let trial = Trial::new().with("data.csv", "").with("page.html", "");
     symlink("page.html", trial.path("link.html")).unwrap();
     let calibrate = "calibrate arm.urdf --data data.csv";
-    trial.refuses(&format!("{calibrate} --html same --urdf same"), "two outputs go to one place");
-    trial.refuses(&format!("{calibrate} --html page.html --urdf link.html"), "two outputs go to one place");
-    trial.refuses(&format!("{calibrate} --html - --urdf -"), "two outputs go to one place");
+    trial.refuses(&format!("{calibrate} --html same --urdf same"), "two outputs have the same file");
+    trial.refuses(&format!("{calibrate} --html page.html --urdf link.html"), "two outputs have the same file");
+    trial.refuses(&format!("{calibrate} --html - --urdf -"), "two outputs have the same file");
     trial.refuses("diff arm.urdf arm.urdf --json -o report.json", "write --json report.json");
 }
 
@@ -192,8 +192,8 @@ fn a_full_disk_changes_no_file() {
     let trial = Trial::new().with("data.csv", "old");
     trial.refuses("simulate arm.urdf --rows 3 -o data.csv --test /dev/full", "/dev/full: cannot be written");
     trial.refuses("simulate arm.urdf --rows 3 -o data.csv --test new.csv --truth /dev/full", "nothing was changed");
-    trial.refuses("doc arm.urdf -o data.csv/pages", "data.csv is no folder");
-    trial.refuses("doc arm.urdf -o data.csv", "data.csv is no folder");
+    trial.refuses("doc arm.urdf -o data.csv/pages", "data.csv is not a folder");
+    trial.refuses("doc arm.urdf -o data.csv", "data.csv is not a folder");
 }
 
 #[test]
@@ -226,15 +226,14 @@ fn what_cannot_be_made_is_refused_before_the_work() {
     let trial = Trial::new();
     let calibrate = "calibrate arm.urdf --data missing.csv";
     for freedom in ["--scales all", "--pitches elbow_joint"] {
-        trial.refuses(&format!("{calibrate} {freedom} --urdf as_it_is.urdf"), "take --dh FILE.csv or FILE.json");
-        trial
-            .refuses(&format!("{calibrate} {freedom} --dh t.yaml"), "has no place for what --scales and --pitches fit");
+        trial.refuses(&format!("{calibrate} {freedom} --urdf as_it_is.urdf"), "write --dh FILE.csv or FILE.json");
+        trial.refuses(&format!("{calibrate} {freedom} --dh t.yaml"), "cannot hold what --scales and --pitches fit");
     }
     trial.refuses(
         &format!("{calibrate} --dh t.py"),
-        "--dh t.py: rtb has no place for Hayati's beta, which the calibrated",
+        "--dh t.py: rtb has no column for Hayati's beta, which the calibrated",
     );
-    trial.refuses(&format!("{calibrate} --dh t.m"), "take a file that ends in one of txt, md, csv, json, tex");
+    trial.refuses(&format!("{calibrate} --dh t.m"), "name a file that ends in one of txt, md, csv, json, tex");
     trial.refuses(&format!("{calibrate} --html nowhere/page.html"), "there is no folder nowhere");
     trial.refuses(&format!("{calibrate} --html ."), "it is a folder");
     trial.refuses(calibrate, "missing.csv: cannot be read");

@@ -25,7 +25,7 @@ fn a_prior_that_no_numbers_can_have_is_refused() {
     // The second moves with the first; the third with both, but not equally.
     let trial = trial.with("bad.json", &correlations(json!([1.0]), json!([0.99, 0.5])));
     let command = "calibrate arm.urdf --data data.csv --effects none --prior bad.json --json out.json";
-    trial.refuses(command, "bad.json: posterior.correlations: no numbers can be correlated like this");
+    trial.refuses(command, "bad.json: posterior.correlations: these correlations are impossible");
     let mut large = known.clone();
     large["parameters"][0]["std"] = json!(1e200);
     let trial = trial.with("bad.json", &large.to_string());

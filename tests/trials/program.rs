@@ -44,7 +44,7 @@ fn every_command_has_a_manual_page() {
     let page = trial.text("pages/man1/denavit-calibrate.1");
     assert!(page.contains(".TH denavit-calibrate 1") && page.contains("effects\\-out"), "{page}");
     assert_eq!(trial.run("man").succeeded(), trial.text("pages/man1/denavit.1"));
-    trial.refuses("man -o arm.urdf", "arm.urdf is no folder");
+    trial.refuses("man -o arm.urdf", "arm.urdf is not a folder");
 }
 
 #[test]

@@ -154,11 +154,11 @@ fn revisions_and_places_that_cannot_be_are_refused() {
         return;
     };
     for (line, said) in [
-        ("diff --robots main", "\"main\" is no revision; write git:REVISION"),
-        ("diff --robots git:HEAD:urdf/arm.xacro", "is no revision"),
+        ("diff --robots main", "\"main\" is not a revision; write git:REVISION"),
+        ("diff --robots git:HEAD:urdf/arm.xacro", "is not a revision"),
         ("diff --robots git:nowhere", "git:nowhere: cannot be read: this clone has no such revision"),
         ("diff --robots git:--output=x", "this clone has no such revision"),
-        ("diff --robots git:HEAD length:=1", "the argument length:=1 is of one robot; write it into denavit.toml"),
+        ("diff --robots git:HEAD length:=1", "the argument length:=1 belongs to one robot; write it into denavit.toml"),
         ("diff urdf/arm.xacro", "required"),
         ("diff urdf/arm.xacro urdf/arm.xacro --pictures x", "--robots"),
     ] {
@@ -186,7 +186,7 @@ fn denavit_toml_says_where_it_is_wrong() {
 #[test]
 fn check_takes_the_robots_the_baseline_and_the_rules_of_denavit_toml() {
     let trial = Trial::new().with("denavit.toml", "");
-    trial.refuses("check", "no robot is named, neither here nor in a denavit.toml");
+    trial.refuses("check", "no robot is named, here or in a denavit.toml");
     std::fs::create_dir(trial.path("urdf")).unwrap();
     std::fs::write(trial.path("urdf/arm.xacro"), ARM.replace("axis xyz=\"0 0 1\"", "axis xyz=\"0 0 2\"")).unwrap();
     std::fs::write(trial.path("denavit.toml"), TOML).unwrap();

@@ -55,9 +55,9 @@ fn arguments_of_xacro_reach_every_command() {
     let page = |line: &str| trial.run(line).succeeded();
     assert_ne!(page("doc bent.xacro -o -"), page("doc bent.xacro length:=1.5 -o -"));
     assert!(trial.run("check bent.xacro length:=1.5").code < 2);
-    assert!(trial.run("check bent.xacro length:=nonsense").stdout.contains("\"nonsense\" is no finite number"));
+    assert!(trial.run("check bent.xacro length:=nonsense").stdout.contains("\"nonsense\" is not a finite number"));
     trial.refuses("doc length:=1.5 -o pages", "no robot is named");
-    trial.refuses("table arm.urdf 1.5", "arguments of a xacro file, NAME:=VALUE");
+    trial.refuses("table arm.urdf 1.5", "arguments of a xacro file (NAME:=VALUE)");
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn arguments_of_xacro_are_for_xacro() {
             format!("calibrate {source} length:=1.5 --data data.csv"),
             format!("compensate {source} length:=1.5 --poses poses.csv"),
         ] {
-            trial.refuses(&line, &format!("{source}: this is no xacro file, so it takes no argument length:=1.5"));
+            trial.refuses(&line, &format!("{source}: this is not a xacro file, so it takes no argument length:=1.5"));
         }
     }
     for line in [
@@ -186,7 +186,7 @@ fn the_export_has_the_numbers_of_the_table_or_says_that_it_has_not() {
             continue;
         }
         hands += 1;
-        let said = run.stderr.contains("has other numbers of the same robot than the table of this export");
+        let said = run.stderr.contains("have different numbers for the same robot");
         let same = near(&rows("robot.urdf")[..], &rows("robot_dh.urdf")[..]);
         assert!(said || same, "{}: {}", path.display(), run.stderr);
         if said {

@@ -177,10 +177,10 @@ fn what_a_row_says_twice_must_be_the_same() {
     };
     refused("theta,d,alpha,a\nq1,0,q2,0\n", "alpha holds a variable");
     refused("theta,d,alpha,a\nθ1,d1,0,0\n", "theta holds the variable theta1 and d the variable d1");
-    refused("kind,theta,d,alpha,a\nR,0,d1,0,0\n", "kind is revolute, and d holds the variable");
-    refused("kind,theta,d,alpha,a\nP,q1,0,0,0\n", "kind is prismatic, and theta holds the variable");
-    refused("kind,offset,d,alpha,a\nP,90,q1,0,0\n", "the offset may be one of d");
-    refused("theta,d,alpha,a\nq1,0,0,0,7\n", "the row has 5 cells and the header 4");
+    refused("kind,theta,d,alpha,a\nR,0,d1,0,0\n", "kind is revolute, but d holds the variable");
+    refused("kind,theta,d,alpha,a\nP,q1,0,0,0\n", "kind is prismatic, but theta holds the variable");
+    refused("kind,offset,d,alpha,a\nP,90,q1,0,0\n", "the offset may belong to d");
+    refused("theta,d,alpha,a\nq1,0,0,0,7\n", "the row has 5 cells but the header has 4");
     refused("theta,d,alpha,a\n90° + π/2,0,0,0\n", "theta is \"90° + π/2\"");
     let trial = Trial::new().with("offset.csv", "# distal\n# units: m, deg\ntheta,d,alpha,a\n(q1 - 90°),0,0,0.5\n");
     near(tip(&trial, "fk offset.csv --q 0").0, [0.0, -0.5, 0.0]);
@@ -231,7 +231,7 @@ fn other_text_is_not_called_xml() {
         .with("robot.toml", "[robot]\nname = \"arm\"\n")
         .with("broken.urdf", "robot without marks\n");
     for file in ["notes.txt", "robot.toml"] {
-        trial.refuses(&format!("table {file}"), "this is no robot that is known here");
+        trial.refuses(&format!("table {file}"), "this is not a robot in a known format");
         trial.refuses(&format!("check {file}"), file);
         let said = trial.run(&format!("table {file}")).stderr;
         assert!(!said.contains("well-formed XML"), "{said}");
@@ -265,7 +265,7 @@ fn a_foreign_yaml_is_not_taken_for_a_franka() {
         .with("one_off.yaml", &origins(one_off, 8))
         .with("more.yaml", &format!("{}remark: ours\n", origins(franka, 8)))
         .with("xarm.yaml", "kinematics:\n  joint1: {x: 0, y: 0, z: 0.3, roll: 0, pitch: 0, yaw: 0}\n  joint2: {x: 0, y: 0, z: 0.3, roll: 0, pitch: 0, yaw: 0}\n");
-    trial.refuses("table upright.yaml", "at right angles, and here they are not");
+    trial.refuses("table upright.yaml", "at right angles, but here they are not");
     trial.refuses("table one_off.yaml", "axes 4 and 5 of a Franka arm");
     trial.refuses("table xarm.yaml", "every axis would be parallel");
     let read = trial.run("table more.yaml");
@@ -284,7 +284,7 @@ fn a_controllers_calibration_is_read_with_its_model() {
         )
     };
     let trial = Trial::new().with("calibration.conf", &conf("0.01")).with("bad.conf", &conf("nan"));
-    trial.refuses("table calibration.conf", "ur_type:=MODEL, which is one of ur3");
+    trial.refuses("table calibration.conf", "ur_type:=MODEL, one of ur3");
     trial.refuses("table calibration.conf ur_type:=ur99", "the model \"ur99\" is not known");
     trial.refuses("table bad.conf ur_type:=ur5e", "delta_theta is \"[ nan, 0, 0, 0, 0, 0]\"");
     let run = trial.run("table calibration.conf ur_type:=ur5e --json");
@@ -498,7 +498,7 @@ fn a_variable_that_is_no_text_stops_nobody() {
 fn the_kinematics_file_of_a_ur_is_for_a_ur() {
     let trial = Trial::new().with_robot("irb120.urdf", "abb/irb120.urdf");
     assert_eq!(trial.run("table arm.urdf --format ur -o ur.yaml").code, 0);
-    trial.refuses("table irb120.urdf --format ur", "the axes are those of no Universal Robots arm");
+    trial.refuses("table irb120.urdf --format ur", "the axes at zero match no Universal Robots arm");
     let table = "# distal\n# units: m, deg\ntheta,d,alpha,a\nq1,0.1452,-90,0\nq2,0,0,0.329\nq3,0,0,0.3115\nq4,-0.1222,90,0\nq5,0.106,90,0\nq6,0.1132,0,0\n";
     let techman = denavit_with_input(&["table", "-", "--format", "ur"], table).failed();
     assert!(techman.contains("no Universal Robots arm"), "{techman}");

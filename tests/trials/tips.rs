@@ -97,7 +97,7 @@ fn what_several_tips_cannot_do_is_refused_in_a_sentence() {
         (format!("{calibrate} --data without.csv"), "there is no column \"tip\", but several tips are calibrated"),
         (
             "calibrate baxter.urdf --tip left_hand --data both.csv".into(),
-            "the row is of \"right_hand\", but the chain ends at \"left_hand\"; name every tip that is calibrated",
+            "the row belongs to \"right_hand\", but the chain ends at \"left_hand\"; name every tip that is calibrated",
         ),
         (format!("{calibrate} --data both.csv --tip left_wrist"), "both.csv: no row is of tip \"left_wrist\""),
         (format!("{calibrate} --data both.csv --tip left_hand"), "tip \"left_hand\" is named twice"),

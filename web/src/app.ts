@@ -11,7 +11,7 @@ import { View } from "./view";
 export interface Robot extends RobotText {
     opened: Opened;
     meshes: Dropped;
-    /** Packages among what was dropped. */
+    /** Packages among the dropped files. */
     packages: Packages;
     /** As it was dropped, for the findings and their fixes. */
     written: string;
@@ -27,7 +27,7 @@ export interface ChainListing {
 export interface Panel {
     readonly name: string;
     readonly element: HTMLElement;
-    /** Shown now; also when the robot has changed. */
+    /** Called when the panel is shown, and when the robot has changed. */
     show(): void | Promise<void>;
     /** Joint values have changed. */
     moved?(): void;
@@ -48,14 +48,14 @@ export class App {
     convention = "";
     units = "m,deg";
     readonly said = h("p", { class: "said", role: "status", "aria-live": "polite" });
-    /** Ends when all that was dropped so far has been taken in. */
+    /** Ends when everything dropped so far has been read. */
     taken: Promise<unknown> = Promise.resolve();
-    /** Set by the page: takes a robot in and shows it. */
+    /** Set by the page: reads a robot and shows it. */
     open: (robot: RobotText, meshes: Dropped, packages?: Packages) => Promise<void> = async () => {};
     changed: () => void = () => {};
-    /** Set by the page: makes the sliders show the joint values, and moves what follows them; the panel stays as it is. */
+    /** Set by the page: makes the sliders show the joint values, and moves what follows them; the panel does not change. */
     refresh: () => void = () => {};
-    /** Set by the page: makes the sliders anew. */
+    /** Set by the page: creates new sliders. */
     refill: () => void = () => {};
 
     value(name: string): number {
@@ -84,13 +84,13 @@ export class App {
         this.view.frames(placed(this.table, (name) => this.value(name)), this.table.base, this.chosenRow);
     }
 
-    /** Says something to the user; a mistake stays until the next word. */
+    /** Shows a message; an error stays until the next message. */
     say(words: string, wrong = false): void {
         this.said.textContent = words;
         this.said.classList.toggle("wrong", wrong);
     }
 
-    /** Runs what may fail, and says why it did. */
+    /** Runs what may fail, and shows the error. */
     async trying<T>(work: () => Promise<T>): Promise<T | undefined> {
         try {
             return await work();
@@ -107,7 +107,7 @@ export class App {
     }
 }
 
-/** What people call a robot: its own name, else that of its file. */
+/** The display name of a robot: its own name, else that of its file. */
 export const called = (robot: Robot): string => robot.opened.robot || basename(robot.file);
 
 export function question(robot: Robot): RobotText {
@@ -115,7 +115,7 @@ export function question(robot: Robot): RobotText {
     return { file, text, files: {}, names, exact, ...(base ? { base } : {}), ...(tip ? { tip } : {}) };
 }
 
-/** The question with every mesh that is drawn under the name by which the rules look for it. */
+/** The question with every drawn mesh under the name that the rules search for. */
 export function withMeshes(robot: Robot): RobotText {
     const asked = question(robot);
     const from = `/${robot.file}`;

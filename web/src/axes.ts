@@ -1,4 +1,4 @@
-// Axes of twists, and their common normals, as a picture needs them.
+// Axes of twists, and their common normals, for drawing.
 
 import { Vector3 } from "three";
 
@@ -17,7 +17,7 @@ export interface Normal {
     parallel: boolean;
 }
 
-/** Axes nearer to parallel than this have no common normal of their own, rad. */
+/** Axes nearer to parallel than this have no unique common normal, rad. */
 const PARALLEL = 1e-6;
 
 /** The axis of a twist (ω, v): its direction, and its point nearest to where the joint is; a direction alone is drawn there. */

@@ -9,12 +9,12 @@ import { found, parsed } from "./meshes";
 /** What can be shown of a robot: its visual shapes, and what is drawn on demand. */
 export type Layer = "visual" | "collision" | "inertia" | "mass" | "axes" | "frames";
 
-/** How much of a phantom is seen. */
+/** Opacity of a phantom. */
 export const FAINT = 0.13;
-/** Poses whose numbers differ by less are one to the eye. */
+/** Poses whose numbers differ by less look the same. */
 const SAME = 1e-4;
 
-/** A robot in another posture, see-through; it has its shapes from the robot itself. */
+/** A robot in another posture, transparent; it shares the robot's shapes. */
 export interface Phantom {
     group: Group;
     material: MeshStandardMaterial;
@@ -28,7 +28,7 @@ export class Body {
     /** Meshes that are not among the dropped files, or cannot be read. */
     readonly missing: string[] = [];
     private readonly shapes: Object3D[] = [];
-    /** What stands for links without shapes. */
+    /** Replacement for links without shapes. */
     private readonly bones: Object3D[] = [];
     private readonly layers = new Map<Layer, Object3D[]>();
     /** Side by side in the group, each at its place in the root's frame: a tree of 4000 joints would be walked by recursion. */
@@ -249,7 +249,7 @@ export class Body {
         });
     }
 
-    /** Axes as rods and lines between them: a robot without shapes, or with those of some links missing, is seen, too. */
+    /** Axes as rods and lines between them: a robot without shapes, or with some missing, is also visible. */
     private skeleton(seenLinks: Set<number>): void {
         const { size } = this;
         const bare = (link: number) => !seenLinks.has(link) && (seenLinks.size === 0 || this.missing.length > 0);
@@ -309,7 +309,7 @@ export class Body {
         try {
             if (name !== undefined && bytes) object = parsed(name, bytes, made);
         } catch {
-            // A damaged mesh is as good as none; it is named with those that are not there.
+            // A damaged mesh counts as missing.
         }
         if (!object && !this.missing.includes(uri)) this.missing.push(uri);
         return object;

@@ -1,4 +1,4 @@
-// Calibrate: from measurements to the robot as it is; and effects to try by hand.
+// Calibrate: from measurements to the calibrated robot; and effects to try by hand.
 
 import { Matrix4, Vector3 } from "three";
 import type { App, Panel } from "./app";
@@ -12,7 +12,7 @@ import { bars, curve, effects, heat, plain, type Report } from "./report";
 export class Calibrate implements Panel {
     readonly name = "Calibrate";
     readonly element = h("section", { class: "panel", "aria-label": "Calibrate" });
-    // A worker of its own: the page stays awake, and the work can be stopped.
+    // A separate worker: the page stays responsive, and the work can be stopped.
     private readonly engine = new Engine();
     private data: DataFile | undefined;
     private test: DataFile | undefined;
@@ -52,7 +52,7 @@ export class Calibrate implements Panel {
             h("h2", {}, "Calibrate from measurements"),
             this.data
                 ? h("p", {}, h("b", { id: "data" }, this.data.file), this.test ? ` · test data ${this.test.file}` : "")
-                : h("p", {}, "Drop a CSV or an Excel workbook of measurements: a column for each joint, and x, y, z of what a tracker saw. A second one judges."),
+                : h("p", {}, "Drop a CSV or an Excel workbook of measurements: a column for each joint, and x, y, z of what a tracker saw. A second one is test data."),
             this.data ? h("div", { class: "row" },
                 select("Units", [["m,rad", "m, rad"], ["mm,rad", "mm, rad"], ["m,deg", "m, °"], ["mm,deg", "mm, °"]], this.units, (value) => { this.units = value; void this.app.trying(() => this.columns.judge()); }, "data-units"),
                 select("Search for", [["auto", "effects"], ["curves", "error curves"], ["none", "geometry only"]], this.search, (value) => { this.search = value; }, "search"),
@@ -69,7 +69,7 @@ export class Calibrate implements Panel {
         await this.app.trying(() => this.offerEffects());
     }
 
-    /** The file as a map says, or as its own names say. */
+    /** The file read by a map, or by its own names. */
     private look(map: string | null): ReturnType<typeof this.app.engine.ask<"columns">> {
         const { robot } = this.app;
         if (!robot || !this.data) throw new Error("drop a robot and its measurements first");
@@ -119,22 +119,22 @@ export class Calibrate implements Panel {
                 h("button", { id: "effects-json", click: () => save(`${name}_effects.json`, result.effects, "application/json") }, "Effects (JSON)")),
             key ? bars(report, key) : null,
             effects(result.said),
-            ...(result.tried.length > 0 ? [h("h3", {}, "What was tried"), heat(result.tried)] : []),
+            ...(result.tried.length > 0 ? [h("h3", {}, "Tried effects"), heat(result.tried)] : []),
             ...(report.curves?.length ? [h("h3", {}, "Error curves of the joints"), ...report.curves.map(curve)] : []),
-            h("h3", {}, "What is left, on the robot"),
+            h("h3", {}, "Residuals, on the robot"),
             h("div", { class: "row" },
                 select("Stage", result.residuals.map((stage, at) => [String(at), stage.stage]), String(this.stage = result.residuals.length - 1), (value) => { this.stage = Number(value); this.scale(); }, "stage"),
-                h("button", { id: "errs", title: "The row fitted whose measured place the model misses by most", click: () => this.worst() }, "Go where it errs the most"),
+                h("button", { id: "errs", title: "The fitted row with the largest distance between measured and predicted position", click: () => this.worst() }, "Go to the largest error"),
                 this.factor),
             this.erring,
-            h("details", {}, h("summary", {}, "What the columns were taken for"), h("ul", {}, ...report.columns.map((it) => h("li", {}, `${it.column}: ${it.taken_for}`)))),
+            h("details", {}, h("summary", {}, "Meaning of the columns"), h("ul", {}, ...report.columns.map((it) => h("li", {}, `${it.column}: ${it.taken_for}`)))),
             h("details", {}, h("summary", {}, "The whole report"), h("pre", { class: "words", id: "report", "data-json": result.text }, result.words)),
             ...(result.notes.length ? [h("ul", { class: "notes" }, ...result.notes.map((note) => h("li", {}, note)))] : []));
         this.scale();
         this.worst();
     }
 
-    /** Goes to the row whose measured place the shown stage misses by most. */
+    /** Goes to the row with the largest residual of the shown stage. */
     private worst(): void {
         const { robot } = this.app;
         const rows = this.result?.residuals[this.stage]?.rows ?? [];
@@ -144,7 +144,7 @@ export class Calibrate implements Panel {
         if (!first || !robot) return;
         for (const [at, name] of chain(robot).coordinates.entries()) this.app.q.set(name, first.q[at] ?? 0);
         this.app.refresh();
-        this.erring.textContent = `Row ${first.row + 1} is shown: the measured place is ${number(length(first.left) * 1000, 3)} mm from the model's.`;
+        this.erring.textContent = `Row ${first.row + 1} is shown: the measured position is ${number(length(first.left) * 1000, 3)} mm from the model's.`;
     }
 
     /** Each stage begins with arrows of a size that is seen; the factor stands beside the slider. */
@@ -167,7 +167,7 @@ export class Calibrate implements Panel {
         return h("label", { class: "slider" }, h("span", { class: "name" }, words), input, shown);
     }
 
-    /** What is left of each measured place, where the tip was. */
+    /** The residual of each measured position, where the tip was. */
     private arrows(): void {
         const rows = this.result?.residuals[this.stage]?.rows ?? [];
         const robot = this.app.robot;
@@ -195,7 +195,7 @@ export class Calibrate implements Panel {
         } });
         this.trial.replaceChildren(
             h("h2", {}, "Try an effect"),
-            h("p", { class: "fine" }, "Adds an effect to the robot as drawn, and shows what it does to the tip, exaggerated. The strength is what the effect moves the tip by over the workspace (root mean square)."),
+            h("p", { class: "fine" }, "Adds an effect to the nominal robot, and shows its influence on the tip, exaggerated. The strength is the root mean square motion of the tip over the workspace."),
             h("div", { class: "row" },
                 select("Effect", [["", "none"], ...kinds.map((it): [string, string] => [it.kind, plain(it.kind)])], this.effect.kind, (value) => { this.effect.kind = value; void this.offerEffects(); }, "effect"),
                 kind ? select("At", places, this.effect.place, (value) => { this.effect.place = value; void this.act(); }, "place") : null),
@@ -243,7 +243,7 @@ export class Calibrate implements Panel {
             if (!first) return;
             const [from, to] = shifted(first);
             this.app.view.marks(lines, [{ at: from.clone().applyMatrix4(base), by: to.applyMatrix4(base).sub(from.applyMatrix4(base)), colour: 0xcc3311 }]);
-            line.textContent = `here the tip moves by ${number(first.apart_m * 1000, 4)} mm; the lines are its ways as ${names[swept]} turns: grey as drawn, orange with the effect`;
+            line.textContent = `here the tip moves by ${number(first.apart_m * 1000, 4)} mm; the lines are its paths while ${names[swept]} moves: grey nominal, orange with the effect`;
             line.dataset["apart"] = String(first.apart_m);
         });
         this.acting = false;

@@ -1,4 +1,4 @@
-// What the columns of a file of measurements are: what their names say, what is guessed, and what only a person knows.
+// The meaning of a measurement file's columns: by their names, guessed, or chosen by the user.
 
 import { fill, h, save, select } from "./dom";
 import type { ColumnsAnswer } from "./engine";
@@ -25,14 +25,14 @@ export class Columns {
     private answer: ColumnsAnswer | undefined;
     private order = "xyz";
     private told = false;
-    /** A person has said something. */
+    /** The user has chosen something. */
     private said = false;
     private readonly verdict = h("p", { id: "columns-verdict", role: "status" });
 
-    /** `ask` reads the file with a map, or by its names; `changed` is told when a person has said something. */
+    /** `ask` reads the file with a map, or by its names; `changed` is called when the user has chosen something. */
     constructor(private readonly ask: (map: string | null) => Promise<ColumnsAnswer>, private readonly changed: () => void) {}
 
-    /** The map as `denavit calibrate --columns` takes it; null where the file's own names say everything. */
+    /** The map as `denavit calibrate --columns` takes it; null where the file's own names are enough. */
     get map(): string | null {
         if (!this.told || !this.answer) return null;
         // A text of JSON is a text of TOML.
@@ -50,7 +50,7 @@ export class Columns {
         return `${lines.join("\n")}\n`;
     }
 
-    /** Reads the file anew, and asks about what is not clear. */
+    /** Reads the file again, and asks about what is not clear. */
     async look(): Promise<void> {
         const answer = await this.ask(null);
         this.answer = answer;
@@ -84,7 +84,7 @@ export class Columns {
                 h("td", { class: "fine" }, it.first.map(short).join(", ")));
         });
         const turning = this.choices.some(({ use }) => ANGLES.includes(use));
-        fill(this.element, h("summary", {}, this.told ? "Columns: please look at what was taken for what" : "Columns: their names say what they are"),
+        fill(this.element, h("summary", {}, this.told ? "Columns: please check their meaning" : "Columns: their names state their meaning"),
             h("div", { class: "scroll" }, h("table", { id: "columns-table" },
                 h("thead", {}, h("tr", {}, ...["column", "is", "unit", "first values"].map((words) => h("th", { scope: "col" }, words)))),
                 h("tbody", {}, ...rows))),
@@ -103,16 +103,16 @@ export class Columns {
         void this.judge();
     }
 
-    /** What is said where no heading is a joint of the robot, nor q1, q2, …: most likely another robot's measurement. */
+    /** The message where no heading is a joint of the robot, nor q1, q2, …: most likely another robot's measurement. */
     private stranger(answer: ColumnsAnswer): string | undefined {
         const { columns, joints } = answer;
         if (answer.problem === null || joints.length === 0 || columns.some((it) => it.sure && it.meaning !== null && joints.includes(it.meaning))) return undefined;
         const some = (names: string[]) => (names.length > 4 ? `${names.slice(0, 3).join(", ")}, … ${names.at(-1)}` : names.join(", "));
         return `This does not look like a measurement of this robot: none of its columns (${some(columns.map(({ name }) => name))}) is named like one of the robot's joints (${some(joints)}). `
-            + "Drop the robot that was measured, or say in the table which column is which joint.";
+            + "Drop the robot that was measured, or choose in the table which column is which joint.";
     }
 
-    /** Reads the file as it is said to be, and says what comes of it. */
+    /** Reads the file with the chosen meaning, and shows the result. */
     async judge(): Promise<void> {
         const answer = await this.ask(this.map);
         const strange = this.stranger(answer);

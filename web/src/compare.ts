@@ -1,4 +1,4 @@
-// Compare: two robots over each other, what differs in words, the tip where it is apart the most.
+// Compare: two robots over each other, the differences as text, the largest distance of the tips.
 
 import { Vector3 } from "three";
 import type { App, Panel, Robot } from "./app";
@@ -15,7 +15,7 @@ export class Compare implements Panel {
     readonly name = "Compare";
     readonly element = h("section", { class: "panel", "aria-label": "Compare" });
     private found: Difference | undefined;
-    /** Set once: the comparison that is shown next begins where the tips are apart the most. */
+    /** Set once: the next comparison begins at the largest distance of the tips. */
     begins = false;
 
     constructor(private readonly app: App) {}
@@ -32,7 +32,7 @@ export class Compare implements Panel {
         this.found = undefined;
         await this.app.trying(async () => {
             const answer = await this.app.engine.ask("diff", { a: question(robot), b: question(other) });
-            // Robots of one name are told apart by their files.
+            // Robots of the same name are distinguished by their files.
             const alike = called(robot) === called(other);
             const words = (it: Robot) => (alike ? `${called(it)} (${basename(it.file)})` : called(it));
             this.found = JSON.parse(answer.text) as Difference;
@@ -42,13 +42,13 @@ export class Compare implements Panel {
                 h("p", {}, h("span", { class: "key mine", title: robot.file }, words(robot)), " and ", h("span", { class: "key other", title: other.file }, words(other))),
                 h("div", { class: "row" },
                     worst && worst.sampled_m > 0
-                        ? h("button", { id: "worst", class: "main", click: () => this.go(worst.at) }, `Go where ${worst.tip} is apart the most: ${number(worst.sampled_m * 1000, 3)} mm`)
+                        ? h("button", { id: "worst", class: "main", click: () => this.go(worst.at) }, `Go to the largest distance of ${worst.tip}: ${number(worst.sampled_m * 1000, 3)} mm`)
                         : null,
                     h("button", { id: "swap", click: () => void this.swap() }, "Swap"),
                     h("button", { click: () => save("diff.json", answer.text, "application/json") }, "Download JSON")),
                 h("p", { id: "apart", class: "tip" }),
                 ...grouped(answer.words),
-                h("details", {}, h("summary", {}, "As the command line says it"), h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words)));
+                h("details", {}, h("summary", {}, "Output of the command line"), h("pre", { id: "words", class: "words", "data-json": answer.text }, answer.words)));
             this.app.view.show(1, other.opened.scene, other.meshes, `/${other.file}`, other.packages);
             this.app.view.fit();
             this.app.move();
@@ -61,7 +61,7 @@ export class Compare implements Panel {
     private go(at: { joint: string; value: number }[]): void {
         for (const { joint, value } of at) this.app.q.set(joint, value);
         this.app.refresh();
-        // The posture may lie outside of what was seen.
+        // The posture may be outside the visible area.
         this.app.view.fit();
     }
 
@@ -84,7 +84,7 @@ export class Compare implements Panel {
         if (!one || !two || !line) return;
         const [from, to] = [new Vector3().setFromMatrixPosition(one), new Vector3().setFromMatrixPosition(two)];
         const apart = from.distanceTo(to);
-        line.textContent = `at this posture the tips are ${number(apart * 1000, 3)} mm apart, their roots laid on each other`;
+        line.textContent = `at this posture the tips are ${number(apart * 1000, 3)} mm apart, with their roots aligned`;
         view.marks([{ from, to, colour: 0xcc3311 }], []);
     }
 
@@ -94,7 +94,7 @@ export class Compare implements Panel {
     }
 }
 
-/** Differences by what they are of: tips, joints, the rest; names of meshes last, notes closed. `words`: a line each, as the engine says them. */
+/** Differences by what they are of: tips, joints, the rest; names of meshes last, notes closed. `words`: a line each, from the engine. */
 function grouped(words: string): HTMLElement[] {
     const [notes, groups]: [string[], Map<string, string[]>] = [[], new Map()];
     // The first line is the verdict.

@@ -1,4 +1,4 @@
-// Elements from names and texts. Text is always text: no name of a robot ever becomes markup.
+// Elements from names and texts. Text is always text: a robot's names never become markup.
 
 type Child = Node | string | null | undefined;
 type Attributes = Record<string, string | number | boolean | ((event: Event) => void) | null | undefined>;
@@ -63,7 +63,7 @@ export const number = (value: number, digits = 4): string => {
     return text === "-0" ? "0" : text;
 };
 
-/** Puts these children in place of those that are there. */
+/** Replaces the children. */
 export function fill(element: HTMLElement, ...children: Child[]): void {
     element.replaceChildren(...children.filter((child) => child !== null && child !== undefined));
 }

@@ -1,11 +1,11 @@
-// Elementary things of the 3-D view: rods, lines, frames, the motions of a D-H row; and giving back what is not shown any more.
+// Elementary things of the 3-D view: rods, lines, frames, the motions of a D-H row; and freeing what is no longer shown.
 
 import {
     BufferGeometry, CylinderGeometry, Float32BufferAttribute, Group, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial,
     Object3D, Vector3,
 } from "three";
 
-/** Colours that people with any colour vision tell apart (Okabe and Ito). */
+/** Colours that people with any colour vision can distinguish (Okabe and Ito). */
 export const COLOURS = { x: 0xd55e00, y: 0x009e73, z: 0x0072b2, a: 0xe69f00, d: 0x56b4e9, theta: 0x0072b2, alpha: 0xcc79a7, other: 0xd55e00 };
 
 export function segment(from: Vector3, to: Vector3, colour: number, opacity: number): Line {
@@ -38,7 +38,7 @@ export function triad(at: Matrix4, length: number, opacity: number): Group {
     return group;
 }
 
-/** What of an elementary motion is drawn: d and a as rods, the angles of a chosen row as arcs. */
+/** The drawing of an elementary motion: d and a as rods, the angles of a chosen row as arcs. */
 export function drawnStep(part: string, amount: number, from: Matrix4, to: Matrix4, size: number, stands: boolean, chosen: boolean): Object3D[] {
     const [start, end] = [new Vector3().setFromMatrixPosition(from), new Vector3().setFromMatrixPosition(to)];
     const opacity = stands ? 1 : 0.2;

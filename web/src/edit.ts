@@ -1,4 +1,4 @@
-// Edit: an operation on the robot's URDF, what is proved of it or why it is refused, the robot before and after, the new text.
+// Edit: an operation on the robot's URDF, its proof or why it is refused, the robot before and after, the new text.
 
 import type { App, Panel, Robot } from "./app";
 import { question } from "./app";
@@ -11,7 +11,7 @@ interface Possible {
     purpose: string;
 }
 
-/** What one word of an operation is: a name of the robot's, one of a list, a robot's file, or typed. `all`: none need be given. */
+/** One argument of an operation: a name of the robot's, one of a list, a robot's file, or typed. `all`: none need be given. */
 type Field = { words: string; id: string } & ({ of: "joint" | "fixed" | "link" | "either"; all?: string } | { one: [value: string, words: string][] } | { file: true } | { typed: string; optional?: true });
 
 const LINK = { words: "Link", id: "link", of: "link" } as const;
@@ -29,7 +29,7 @@ const OPERATIONS: Record<string, { fields: Field[]; words?: (values: string[]) =
     attach: { fields: [{ words: "Robot", id: "other", file: true }, { ...LINK, words: "On link" }, { words: "At", id: "pose", typed: POSE, optional: true }, { words: "Prefix of its names", id: "prefix", typed: "gripper_", optional: true }], words: ([file, link, pose, prefix]) => [file ?? "", ...option("at", link), ...option("pose", pose), ...option("prefix", prefix)] },
     extract: { fields: [LINK] },
     cut: { fields: [LINK] },
-    mirror: { fields: [{ words: "Plane", id: "plane", one: [["xz", "xz"], ["yz", "yz"], ["xy", "xy"]] }, { words: "Parts of names exchanged", id: "names", typed: "left=right", optional: true }], words: ([plane, names]) => [plane ?? "", ...option("names", names)] },
+    mirror: { fields: [{ words: "Plane", id: "plane", one: [["xz", "xz"], ["yz", "yz"], ["xy", "xy"]] }, { words: "Parts of names swapped", id: "names", typed: "left=right", optional: true }], words: ([plane, names]) => [plane ?? "", ...option("names", names)] },
     origin: { fields: [LINK, { words: "To", id: "to", typed: POSE }], words: ([link, to]) => [link ?? "", ...option("to", to)] },
     recentre: { fields: [{ ...LINK, all: "all" }], words: ([link]) => said(link) },
     scale: { fields: [{ words: "Factor", id: "factor", typed: "2" }] },
@@ -67,7 +67,7 @@ export class Edit implements Panel {
                 this.purpose, this.fields,
                 h("div", { class: "row" }, h("button", { id: "edit", class: "main", click: () => void this.edit(robot) }, "Edit")),
                 this.outcome,
-                h("p", { class: "fine" }, "The program has more: set-calibration, simplify-collision, meshes; see denavit edit --help."));
+                h("p", { class: "fine" }, "The command line has more: set-calibration, simplify-collision, meshes; see denavit edit --help."));
             this.choose(this.chosen, robot);
         });
     }
@@ -134,7 +134,7 @@ export class Edit implements Panel {
                 h("div", { class: "row", role: "group", "aria-label": "Robot in the view" }, ...buttons),
                 h("div", { class: "row" },
                     h("button", { id: "download-edited", class: "main", click: () => save(name, text, "application/xml") }, "Download URDF"),
-                    h("button", { id: "go-on", click: () => void this.app.trying(() => this.app.open({ ...asked, names: robot.names }, robot.meshes, robot.packages)) }, "Edit this one further")),
+                    h("button", { id: "go-on", click: () => void this.app.trying(() => this.app.open({ ...asked, names: robot.names }, robot.meshes, robot.packages)) }, "Continue to edit this robot")),
                 h("details", {}, h("summary", {}, "Changed lines"), h("pre", { class: "code", id: "diff" }, ...diff.split("\n").map((line) => h("span", { class: /^[+-](?![+-]{2} )/.test(line) ? "here" : "near" }, `${line}\n`)))));
             this.see("after");
             this.app.view.fit();
@@ -147,7 +147,7 @@ export class Edit implements Panel {
         const { other, view } = this.app;
         if (!other) return;
         view.see(0, seen !== "after");
-        // Over each other the two are told apart by colours; alone the new one has its own.
+        // Drawn together the two are distinguished by colours; alone the new one has its own.
         view.show(1, seen === "before" ? null : other.opened.scene, other.meshes, `/${other.file}`, other.packages, seen === "after");
         this.app.move();
         for (const which of ["before", "after", "both"]) this.outcome.querySelector(`#seen-${which}`)?.setAttribute("aria-pressed", String(which === seen));
@@ -156,7 +156,7 @@ export class Edit implements Panel {
     hide(): void {
         this.app.view.show(1, null);
         this.app.view.see(0, true);
-        // The edited robot stays at hand for a comparison, but not for this page.
+        // The edited robot is kept for a comparison, but not for this page.
         this.robot = undefined;
     }
 }

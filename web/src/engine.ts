@@ -1,4 +1,4 @@
-// The toolkit, compiled to WebAssembly, in a worker: questions and answers as they stand in crates/web.
+// The toolkit, compiled to WebAssembly, in a worker: questions and answers as in crates/web.
 
 import type { Said } from "./report";
 import EngineWorker from "./engine.worker?worker&inline";
@@ -25,7 +25,7 @@ export interface Shape {
     colour: [number, number, number, number] | null;
 }
 
-/** What a link weighs: kg, where (principal axes, column by column), and the edges of the solid box of its inertia, m. */
+/** Mass properties of a link: kg, where (principal axes, column by column), and the edges of the solid box of its inertia, m. */
 export interface Matter {
     mass: number;
     centre: number[];
@@ -87,7 +87,7 @@ export interface Calibrated {
     effects: string;
     notes: string[];
     residuals: Rows[];
-    /** null: no figure, as where nothing can be told. */
+    /** null: no value, where none can be determined. */
     tried: { kind: string; place: string; delta_bic: number | null }[];
 }
 
@@ -120,9 +120,9 @@ export interface ColumnsAnswer {
         unit: string | null;
         first: string[];
         meaning: string | null;
-        /** Its own name says so; else it is a guess. */
+        /** Its own name states it; else it is a guess. */
         sure: boolean;
-        /** One of three angles or four numbers whose order its name does not tell. */
+        /** One of three angles or four numbers whose order its name does not state. */
         orientation: boolean;
     }[];
     joints: string[];
@@ -170,7 +170,7 @@ interface Waiting {
 
 let compiling: Promise<WebAssembly.Module> | undefined;
 
-/** The engine's bytes stand in the page, packed. */
+/** The engine's bytes are in the page, packed. */
 async function compiled(): Promise<WebAssembly.Module> {
     const element = document.getElementById("engine");
     if (!element?.textContent) throw new Error("this page was built without its engine; run web/build");
@@ -202,7 +202,7 @@ export class Engine {
         return answer;
     }
 
-    /** Ends what is going on; the next question starts anew. */
+    /** Stops the current work; the next question starts a new engine. */
     stop(): void {
         this.worker?.terminate();
         this.worker = undefined;

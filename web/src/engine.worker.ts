@@ -27,12 +27,12 @@ function started(): Exports {
     return made;
 }
 
-/** The reader of workbooks brings a writer of archives that could ask for random numbers; nothing here does, and nothing is given. */
+/** The reader of workbooks includes a writer of archives that could request random numbers; nothing here does, and none are provided. */
 function strangers(module: WebAssembly.Module): WebAssembly.Imports {
     const all: WebAssembly.Imports = {};
     for (const { module: from, name, kind } of WebAssembly.Module.imports(module)) {
         if (from === "page" || kind !== "function") continue;
-        (all[from] ??= {})[name] = () => { throw new Error(`the engine asked for ${name}`); };
+        (all[from] ??= {})[name] = () => { throw new Error(`the engine called ${name}`); };
     }
     return all;
 }
@@ -60,10 +60,10 @@ onmessage = ({ data }: MessageEvent<Incoming>) => {
         const answer = ask(data.question);
         const pages = engine ? engine.memory.buffer.byteLength : 0;
         postMessage({ id: data.id, answer, took: performance.now() - before, memory: pages });
-        // What one large question needed is not kept for ever.
+        // Memory of one large question is released.
         if (pages > 256 << 20) engine = undefined;
     } catch (error) {
-        // After a trap its memory is in no known state: the next question gets a fresh engine.
+        // After a trap the state of its memory is unknown: the next question gets a new engine.
         engine = undefined;
         const why = complaint || (error instanceof RangeError ? "the file is nested too deeply" : String(error));
         complaint = "";

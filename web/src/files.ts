@@ -1,8 +1,8 @@
-// What is dropped or chosen: files, folders and zip archives, within bounds, by names that lead nowhere else.
+// Dropped or chosen files, folders and zip archives, within bounds, with names that cannot leave the archive.
 
 import { Unzip, UnzipInflate } from "fflate";
 
-/** Larger things are no robot's. */
+/** Larger files do not belong to a robot. */
 const MOST_BYTES = 512 * 1024 * 1024;
 const MOST_FILES = 20_000;
 const MOST_TEXT = 32 * 1024 * 1024;
@@ -38,7 +38,7 @@ class Bounds {
     }
 }
 
-/** Unpacks as it reads, so that an archive cannot say one size and have another. */
+/** Unpacks while reading, so that an archive cannot state a wrong size. */
 export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds()): Dropped {
     const out: Dropped = new Map();
     let failed: Error | undefined;
@@ -77,7 +77,7 @@ export function unzipped(name: string, bytes: Uint8Array, bounds = new Bounds())
     return out;
 }
 
-/** Whether the list of contents, which stands last, is there. */
+/** Whether the list of contents, at the end, exists. */
 function isWhole(bytes: Uint8Array): boolean {
     for (let at = bytes.length - 22; at >= Math.max(0, bytes.length - 22 - 0xffff); at--) {
         if (bytes[at] === 0x50 && bytes[at + 1] === 0x4b && bytes[at + 2] === 5 && bytes[at + 3] === 6) return true;
@@ -96,16 +96,16 @@ function joined(pieces: Uint8Array[]): Uint8Array {
     return all;
 }
 
-/** Whether the page is in a frame that may not reach what is around it, as in a notebook. */
+/** Whether the page is in a sandboxed frame, as in a notebook. */
 export const sandboxed = self.origin === "null" && location.protocol !== "file:";
 
-/** Whether one folder was let go, and nothing else. */
+/** Whether exactly one folder was dropped. */
 export function isFolder(transfer: DataTransfer): boolean {
     const entries = [...transfer.items].filter((item) => item.kind === "file").map((item) => item.webkitGetAsEntry?.());
     return entries.length === 1 && entries[0]?.isDirectory === true;
 }
 
-/** A thing that was let go over the page, as far as it can be asked for. */
+/** A dropped item, as far as the browser gives access to it. */
 interface Held {
     file: File | null;
     entry: FileSystemEntry | null;
@@ -151,7 +151,7 @@ function refused(name: string, error: unknown): never {
     throw new Error(`this browser does not let a page of this kind read the dropped folder "${name}"; ${sandboxed ? "drop one folder alone, " : ""}use Open folder, or drop a zip archive`);
 }
 
-/** Folders that hold nothing of a robot's. */
+/** Folders without robot files. */
 const isHidden = (name: string) => name.startsWith(".git");
 
 async function through(folder: FileSystemDirectoryHandle, path: string, out: Dropped, bounds: Bounds): Promise<void> {
@@ -185,7 +185,7 @@ async function walk(entry: FileSystemEntry, out: Dropped, bounds: Bounds): Promi
 
 async function take(file: File, name: string, out: Dropped, bounds: Bounds): Promise<void> {
     const path = plain(name);
-    if (path === null) throw new Error(`"${name}" is no plain name of a file`);
+    if (path === null) throw new Error(`"${name}" is not a plain file name`);
     bounds.file();
     if (file.size > MOST_BYTES) throw new Error(`${file.name} has more than ${MOST_BYTES >> 20} MB; drop the robot's own files only`);
     const bytes = new Uint8Array(await file.arrayBuffer());
@@ -219,7 +219,7 @@ export function isMesh(name: string): boolean {
 
 /** Text of a file, or what is wrong with it. Measurements come from programs that write other encodings than UTF-8, too. */
 export function textOf(name: string, bytes: Uint8Array): string {
-    if (bytes.length > MOST_TEXT) throw new Error(`${name.slice(1)} has more than ${MOST_TEXT >> 20} MB of text; that is no robot description`);
+    if (bytes.length > MOST_TEXT) throw new Error(`${name.slice(1)} has more than ${MOST_TEXT >> 20} MB of text; this is not a robot description`);
     try {
         return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
     } catch {
@@ -260,7 +260,7 @@ function packages(texts: Record<string, string>): Packages {
     return found;
 }
 
-/** Which files are robots, which are measurements; where measurements are wanted, a list of anything is taken for some. */
+/** Which files are robots, which are measurements; where measurements are expected, any list counts as measurements. */
 export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sorted {
     const texts: Record<string, string> = {};
     const [robots, data, semantics]: [string[], DataFile[], string[]] = [[], [], []];
@@ -281,7 +281,7 @@ export function sorted(dropped: Dropped, wanted: "robots" | "measurements"): Sor
         else if (/\.(csv|tsv|txt)$/i.test(name) && (wanted === "measurements" || holdsMeasurements(text))) data.push({ file: name.slice(1), text });
         else if (/\.(csv|tsv|json|md|yaml|yml)$/i.test(name) && dropped.size <= 8) robots.push(name);
     }
-    // A robot that others include is a part; the top one is called like a robot, lies high, and is no macro alone.
+    // A robot that others include is a part; the top one has a robot's name, is high in the tree, and is not only a macro.
     const rank = (name: string) => {
         const text = texts[name] ?? "";
         const macros = /\.xacro$/i.test(name) && !/<xacro:\w+(?<!macro|property|include|arg|if|unless)[\s/>]/.test(text) && !/<link[\s>]/.test(text) ? 100 : 0;

@@ -1,4 +1,4 @@
-// Sliders for the joints, and where the tip is.
+// Sliders for the joints, and the tip's pose.
 
 import type { App, ChainListing } from "./app";
 import { chain, question } from "./app";
@@ -8,14 +8,14 @@ import { h, number, save, select, stem } from "./dom";
 const LAYERS: [layer: Layer, words: string, title: string][] = [
     ["visual", "shapes", "Visual shapes"], ["collision", "collision", "Collision shapes"],
     ["inertia", "inertia", "For each link the solid box that has its mass and inertia"], ["mass", "centres of mass", "Centres of mass of the links"],
-    ["axes", "joint axes", "Axes of the moving joints"], ["frames", "link frames", "Frames of the links, as the URDF has them"],
+    ["axes", "joint axes", "Axes of the moving joints"], ["frames", "link frames", "Frames of the links, as in the URDF"],
 ];
 
 export class Joints {
     readonly element = h("section", { class: "joints", "aria-label": "Joints" });
     private readonly tip = h("p", { id: "tip", class: "tip", "aria-live": "off" });
     private readonly shown = new Map<Layer, boolean>();
-    /** What makes the slider and the field of a joint show a value. */
+    /** Shows a value in the slider and the field of a joint. */
     private readonly shows = new Map<string, (q: number) => void>();
     private asked = false;
     private again = false;
@@ -23,7 +23,7 @@ export class Joints {
     /** `tools`: buttons beside those of the view, and what they open. */
     constructor(private readonly app: App, private readonly moved: () => void, private readonly tools: { buttons: HTMLElement[]; below: HTMLElement[] }) {}
 
-    /** Shows the joint values without making the sliders anew. */
+    /** Shows the joint values without creating new sliders. */
     refresh(): void {
         for (const [name, show] of this.shows) show(this.app.value(name));
         this.update();
@@ -102,7 +102,7 @@ export class Joints {
                 return h("label", { class: "check", title }, box, words);
             })),
             h("div", { class: "sliders" }, ...mine.map(slider)),
-            ...(rest.length === 0 ? [] : [h("details", {}, h("summary", {}, `Joints outside of this chain (${rest.length})`), h("div", { class: "sliders" }, ...rest.map(slider)))]),
+            ...(rest.length === 0 ? [] : [h("details", {}, h("summary", {}, `Joints outside this chain (${rest.length})`), h("div", { class: "sliders" }, ...rest.map(slider)))]),
         );
         this.update();
     }
@@ -138,7 +138,7 @@ export class Joints {
         });
     }
 
-    /** Moves the robot, and asks where its tip is. */
+    /** Moves the robot, and requests the tip's pose. */
     update(): void {
         this.app.move();
         this.moved();

@@ -8,9 +8,9 @@ import { h, svg } from "./dom";
 export interface Label {
     at: Vector3;
     words: string;
-    /** Beside `tag`, for its style. */
+    /** Additional to `tag`, for its style. */
     kind?: string;
-    /** Shown whatever is in its way, before all others. */
+    /** Always shown, before all others. */
     first?: boolean;
 }
 
@@ -22,7 +22,7 @@ interface Placed extends Label {
 
 type Box = [left: number, top: number, right: number, bottom: number];
 
-/** Room between a name and its point, and between names, in pixels. */
+/** Space between a name and its point, and between names, in pixels. */
 const GAP = 6;
 const BETWEEN = 2;
 
@@ -30,7 +30,7 @@ export class Labels {
     readonly element = h("div", { class: "labels", "aria-hidden": "true" });
     private readonly layers = new Map<string, Placed[]>();
 
-    /** Puts these names in place of those that the layer had. */
+    /** Replaces the names of the layer. */
     set(layer: string, labels: Label[]): void {
         for (const { element } of this.layers.get(layer) ?? []) element.remove();
         const made = labels.map((label) => {

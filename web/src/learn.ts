@@ -1,4 +1,4 @@
-// Learn: how the table comes about, step by step, for the robot at hand; from screw axes to D-H numbers and back.
+// Learn: derivation of the table for the current robot, step by step; from screw axes to D-H numbers and back.
 
 import { Matrix4, Vector3 } from "three";
 import type { App, Panel } from "./app";
@@ -24,7 +24,7 @@ export class Learn implements Panel {
         const { app } = this;
         const robot = app.robot;
         if (!robot) return;
-        // Nothing of the robot before stays where this one's derivation fails.
+        // Nothing of the previous robot remains if this one's derivation fails.
         this.steps = [];
         this.element.replaceChildren(h("p", { role: "status" }, "deriving …"));
         const answered = await app.trying(async () => {
@@ -33,7 +33,7 @@ export class Learn implements Panel {
             const table = JSON.parse(answer.text) as TableFile;
             app.table = undefined;
             app.view.ghost(0, 0.25);
-            // The derivation is told where every joint stands at 0: there the screw axes are.
+            // The derivation uses every joint at 0, where the screw axes are defined.
             app.q.clear();
             app.refill();
             this.make(poe, table, answer.rows.map((row) => row.numbers), answer.columns);
@@ -88,7 +88,7 @@ export class Learn implements Panel {
         };
         this.steps = [{
             title: "The screw axes",
-            words: () => [h("p", {}, "Every joint turns about a line in space, or slides along one. With all joints at 0 these lines, and where the tip is, say all about the motion: the product of exponentials. Nothing of link frames is in it."),
+            words: () => [h("p", {}, "Every joint turns about a line in space, or slides along one. These lines and the tip's pose with all joints at 0 determine the whole motion: the product of exponentials. It does not use link frames."),
                 h("ol", {}, ...lines.map((line) => h("li", {}, `${line.name} (${line.kind}): along ${vector(line.direction)}${line.kind === "prismatic" ? "" : ` through ${vector(line.point)} m`}`)))],
             draw: () => drawAxes(lines.length),
         }];
@@ -100,17 +100,17 @@ export class Learn implements Panel {
             this.steps.push({
                 title: `From axis ${index + 1} to axis ${index + 2}`,
                 words: () => [
-                    h("p", {}, normal.parallel ? `The two axes are parallel: any line across both is a common normal. ` : normal.length < 1e-9 ? "The two axes meet: their common normal is a point, and x stands across both. " : "One line meets both axes at right angles: the common normal. ",
-                        slides ? "A sliding joint is a direction without a place; its axis is laid where the numbers are the fewest." : `Its length is ${millimetres(normal.length)}, and the axes are turned against each other by ${degrees(normal.angle)}.`),
+                    h("p", {}, normal.parallel ? `The two axes are parallel: any line across both is a common normal. ` : normal.length < 1e-9 ? "The two axes meet: their common normal is a point, and x is perpendicular to both. " : "One line meets both axes at right angles: the common normal. ",
+                        slides ? "A prismatic joint has a direction but no position; its axis is put where the table has the fewest numbers." : `Its length is ${millimetres(normal.length)}, and the angle between the axes is ${degrees(normal.angle)}.`),
                     h("p", {}, `Row ${index + 1} of the table: a = ${millimetres(row?.a ?? 0)}, α = ${degrees(row?.alpha ?? 0)}.`,
-                        slides ? "" : ` |a| and |α| are what was just measured${Math.abs(Math.abs(row?.a ?? 0) - normal.length) < 1e-6 * Math.max(1, size) && angleApart(row?.alpha ?? 0, normal.angle) < 1e-5 ? " ✓" : "; here the table has another choice of signs or gauge"}.`),
+                        slides ? "" : ` |a| and |α| are this length and angle${Math.abs(Math.abs(row?.a ?? 0) - normal.length) < 1e-6 * Math.max(1, size) && angleApart(row?.alpha ?? 0, normal.angle) < 1e-5 ? " ✓" : "; here the table uses another choice of signs or gauge"}.`),
                 ],
                 draw: () => drawAxes(lines.length, slides ? undefined : normal),
             });
         });
         this.steps.push({
             title: "The frames",
-            words: () => [h("p", {}, "Each frame has its z along the joint's axis and its x along the common normal to the next one. What geometry does not determine (x the other way round, where d is counted along parallel axes) is chosen so that the fewest numbers are not zero.")],
+            words: () => [h("p", {}, "Each frame has its z along the joint's axis and its x along the common normal to the next one. What geometry does not determine (the sign of x, the origin of d along parallel axes) is chosen so that most numbers are zero.")],
             draw: () => drawRows(null),
         });
         table.rows.forEach((row, at) => {
@@ -118,9 +118,9 @@ export class Learn implements Panel {
             this.steps.push({
                 title: row.row === "base" ? "From the base link to the first axis" : row.row === "tool" ? "From the last frame to the tip" : `Row ${row.row}`,
                 words: () => [
-                    h("p", {}, "Turn about z by θ, go along z by d, turn about x by α, go along x by a."),
+                    h("p", {}, "Rotate about z by θ, move along z by d, rotate about x by α, move along x by a."),
                     h("table", {}, h("tbody", {}, ...columns.map((name, column) => h("tr", {}, h("th", { scope: "row" }, ({ theta: "θ", alpha: "α" } as Record<string, string>)[name] ?? name), h("td", { class: "number" }, cells[at]?.[column] ?? ""))))),
-                    h("p", { class: "fine" }, "Move the joint's slider: θ of a turning joint, d of a sliding one, counts it.")],
+                    h("p", { class: "fine" }, "Move the joint's slider: it changes θ of a revolute joint, d of a prismatic one.")],
                 draw: () => drawRows(at),
             });
         });
@@ -134,8 +134,8 @@ export class Learn implements Panel {
                 const tip = document.getElementById("tip")?.dataset["pose"];
                 const pose = tip ? (JSON.parse(tip) as number[][]) : undefined;
                 const apart = pose ? Math.hypot(...[0, 1, 2].map((k) => (pose[k]?.[3] ?? 0) - (end.elements[12 + k] ?? 0))) : undefined;
-                return [h("p", {}, "The rows multiplied give the pose of the tip again: at the joint values of the sliders the two ways are ", h("b", { id: "roundtrip", "data-apart": apart ?? "" }, apart === undefined ? "…" : `${apart.toExponential(1)} m`), " apart."),
-                    h("p", {}, "The same numbers, grouped anew, are the other conventions: under See they can be chosen.")];
+                return [h("p", {}, "The product of the rows gives the same pose of the tip: at the joint values of the sliders the two results are ", h("b", { id: "roundtrip", "data-apart": apart ?? "" }, apart === undefined ? "…" : `${apart.toExponential(1)} m`), " apart."),
+                    h("p", {}, "The other conventions group the same numbers differently: choose one under See.")];
             },
             draw: () => drawRows(null),
         });

@@ -1,4 +1,4 @@
-// The page: takes robots in, shows the panels.
+// The page: reads robots, shows the panels.
 
 import "./style.css";
 import "./view.css";
@@ -71,12 +71,12 @@ const header = h("header", {},
         h("label", { class: "button" }, "Open folder", folder), link, theme));
 const start = h("section", { class: "start" },
     h("h1", {}, "Drop a robot here"),
-    h("p", {}, "A URDF, a xacro file with its packages (folder or zip), or a Denavit-Hartenberg table. Two files at once are compared; a CSV or a workbook of measurements calibrates."),
+    h("p", {}, "A URDF, a xacro file with its packages (folder or zip), or a Denavit-Hartenberg table. Two files at once are compared; a CSV file or workbook of measurements starts a calibration."),
     h("p", {},
         h("label", { class: "button main", for: "files" }, "Open files"), " ",
         h("label", { class: "button", for: "folder" }, "Open folder"), " ",
         h("button", { id: "example", click: () => void app.trying(() => app.open(source("ur5e.urdf", example), new Map())) }, "Try a UR5e")),
-    h("p", { class: "fine" }, "Nothing is uploaded: this page works without a network, and its rules forbid it to ask for anything."));
+    h("p", { class: "fine" }, "Nothing is uploaded: this page works without a network, and its security policy forbids requests."));
 const left = h("div", { class: "left" }, app.view.element, joints.element);
 const right = h("div", { class: "right", role: "tabpanel" });
 const work = h("main", { class: "work", hidden: true }, left, right);
@@ -120,7 +120,7 @@ app.open = async (robot, meshes, packages) => {
         }
         title.textContent = called(made);
         title.title = made.file;
-        app.view.element.setAttribute("aria-label", `3-D view of ${called(made)}; arrow keys turn it, + and - come near and go away`);
+        app.view.element.setAttribute("aria-label", `3-D view of ${called(made)}; arrow keys rotate it, + and - zoom`);
         document.title = `${title.textContent} · denavit explorer`;
         joints.fill();
         if (current.name === "Compare") current = panels[0] as Panel;
@@ -153,7 +153,7 @@ async function chosen(input: HTMLInputElement): Promise<void> {
     await dropped(fromFiles(list));
 }
 
-/** Takes in what was dropped, in the order in which it was. */
+/** Reads dropped files in their order. */
 async function dropped(files: Promise<Dropped>): Promise<void> {
     const earlier = app.taken;
     app.taken = app.trying(async () => {
@@ -164,12 +164,12 @@ async function dropped(files: Promise<Dropped>): Promise<void> {
     await app.taken;
 }
 
-/** What was dropped: a robot, two robots to compare, or measurements for the robot at hand. */
+/** What was dropped: a robot, two robots to compare, or measurements of the current robot. */
 async function take(dropped: Dropped): Promise<void> {
     if (dropped.size === 0) return;
     const { robots, data, texts, names, packages, semantics } = sorted(dropped, app.robot && current.name === "Calibrate" ? "measurements" : "robots");
     const joined = semantics.flatMap((name) => postures(name.slice(1), texts[name] ?? ""));
-    // A list of joint values plays; it is no robot and no measurement.
+    // A list of joint values is played; it is neither a robot nor a measurement.
     if (app.robot && dropped.size === 1 && current.name !== "Calibrate") {
         const [name, text] = Object.entries(texts)[0] ?? [];
         const played = name !== undefined && text !== undefined && /\.(csv|tsv|txt)$/i.test(name) ? recording(app, name.slice(1), text) : undefined;
@@ -189,7 +189,7 @@ async function take(dropped: Dropped): Promise<void> {
         }
     }
     if (joined.length > 0) {
-        if (!app.robot) throw new Error(`${semantics[0]?.slice(1)} holds named postures; drop the robot that they are of first, or both at once`);
+        if (!app.robot) throw new Error(`${semantics[0]?.slice(1)} holds named postures; drop their robot first, or both at once`);
         app.postures = joined;
         joints.fill();
         if (first === undefined) return app.say(`${joined.length} named postures: choose one under "Posture"`);
@@ -198,7 +198,7 @@ async function take(dropped: Dropped): Promise<void> {
     }
     const table = data[0];
     if (table !== undefined) {
-        if (!app.robot) throw new Error(`${table.file} holds measurements; drop the robot that they are of first, or both at once`);
+        if (!app.robot) throw new Error(`${table.file} holds measurements; drop their robot first, or both at once`);
         const calibrate = panels[2] as Calibrate;
         await turnTo(calibrate);
         calibrate.take(table);
@@ -248,7 +248,7 @@ addEventListener("dragleave", (drag) => {
 });
 addEventListener("drop", (drop) => {
     const transfer = drop.dataTransfer;
-    // Taken away once the browser has done with the drop.
+    // Removed when the browser has finished the drop.
     setTimeout(() => dropping(false), 0);
     if (transfer && drop.target === caught && isFolder(transfer)) return;
     drop.preventDefault();
@@ -331,5 +331,5 @@ addEventListener("message", ({ data }: MessageEvent<unknown>) => {
 
 void app.trying(begin);
 
-// Figures for those who test the page.
+// Figures for tests of the page.
 Object.assign(window, { denavit: { app, chain, chains, placed, effects, reach } });

@@ -54,7 +54,7 @@ export function found(uri: string, meshes: Dropped, from: string, packages: Pack
     return nearest.length === 1 ? nearest[0] : undefined;
 }
 
-/** Where the rules look for a mesh of this URI, from the top; what was found elsewhere is known to them by this name. */
+/** Where the rules search for a mesh of this URI, from the top; files found elsewhere get this name. */
 export function looked(uri: string, from: string): string {
     const scheme = /^\w+:\/\/(.*)$/.exec(uri);
     return scheme ? resolved("", decoded(scheme[1] ?? "")) : resolved(from.slice(0, from.lastIndexOf("/")), uri);
@@ -109,7 +109,7 @@ export function parsed(name: string, bytes: Uint8Array, made: (form: BufferGeome
     const end = name.split(".").pop()?.toLowerCase();
     const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
     if (end === "stl") return made(new STLLoader().parse(buffer));
-    // What a file refers to is not fetched: this page asks the network for nothing.
+    // What a file refers to is not fetched: this page does not use the network.
     const manager = new LoadingManager();
     manager.setURLModifier(() => PIXEL);
     const text = new TextDecoder().decode(bytes);

@@ -1,4 +1,4 @@
-// What is shown, as the fragment of an address: nothing of it is ever sent.
+// The shown state as the fragment of an address, which is never sent.
 
 import { type App, question } from "./app";
 import type { RobotText } from "./engine";
@@ -47,6 +47,6 @@ export async function read(hash: string): Promise<Linked | undefined> {
             robots: robots.map((robot) => ({ file: robot.file, text: robot.text, files: {}, names: [], exact: robot.exact === true, ...(robot.base ? { base: String(robot.base) } : {}), ...(robot.tip ? { tip: String(robot.tip) } : {}) })),
         };
     } catch {
-        throw new Error("the link is damaged; ask for it again");
+        throw new Error("the link is damaged; get a new one");
     }
 }

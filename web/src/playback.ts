@@ -1,4 +1,4 @@
-// Playback of a file of joint values: a row after the other, by its own times where it has some.
+// Playback of a file of joint values: row by row, with its own times if it has any.
 
 import type { App } from "./app";
 import { chain } from "./app";
@@ -66,15 +66,15 @@ export function recording(app: App, file: string, text: string): Recording | und
         const row = cells(line, separator);
         for (const [k, { joint, factor, name, unit }] of columns.entries()) {
             if (joint === undefined) continue;
-            if (factor === undefined) throw new Error(`${file}: "${unit}" of column ${name} is no unit of a joint; write rad, deg, m or mm`);
+            if (factor === undefined) throw new Error(`${file}: "${unit}" of column ${name} is not a unit of a joint; write rad, deg, m or mm`);
             const value = row[k] === undefined || row[k] === "" ? Number.NaN : Number(row[k]);
-            if (!Number.isFinite(value)) throw new Error(`${file}, line ${at + 1}: column ${name} holds "${row[k] ?? ""}"; a number is wanted in each row`);
+            if (!Number.isFinite(value)) throw new Error(`${file}, line ${at + 1}: column ${name} holds "${row[k] ?? ""}"; each row needs a number`);
             joints.get(joint)?.push(value * factor);
         }
         if (clock >= 0) times.push(Number(row[clock]));
     }
     const count = [...joints.values()][0]?.length ?? 0;
-    if (count === 0) throw new Error(`${file} has headings, and no row of joint values`);
+    if (count === 0) throw new Error(`${file} has headings, but no row of joint values`);
     const begin = times[0] ?? 0;
     const sound = times.length === count && times.every((time, k) => Number.isFinite(time) && time >= (times[k - 1] ?? time));
     return { file, joints, times: sound ? times.map((time) => time - begin) : null };
@@ -93,7 +93,7 @@ export class Playback {
     } });
     private readonly words = h("output", { id: "row-words", class: "fine" });
 
-    /** `moved` is told once the joint values have changed. */
+    /** `moved` is called when the joint values have changed. */
     constructor(private readonly app: App, private readonly moved: () => void) {}
 
     take(recording: Recording): void {

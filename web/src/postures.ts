@@ -10,7 +10,7 @@ export interface Posture {
 export function postures(file: string, text: string): Posture[] {
     const document = new DOMParser().parseFromString(text, "application/xml");
     const broken = document.querySelector("parsererror");
-    if (broken) throw new Error(`${file}: not well-formed XML, so that its postures cannot be read`);
+    if (broken) throw new Error(`${file}: not well-formed XML, so its postures cannot be read`);
     return [...document.querySelectorAll("robot > group_state")].map((state) => {
         const values = new Map<string, number>();
         for (const joint of state.querySelectorAll("joint")) {

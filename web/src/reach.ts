@@ -1,4 +1,4 @@
-// The tip dragged by hand: joints follow by inverse kinematics, and the other postures that reach the same pose are seen as ghosts.
+// The tip dragged by hand: joints follow by inverse kinematics, and the other postures that reach the same pose are shown as ghosts.
 
 import { Euler, Matrix4, Vector3 } from "three";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
@@ -7,7 +7,7 @@ import { chain, question } from "./app";
 import { fill, h, number } from "./dom";
 import type { IkAnswer, SceneJoint } from "./engine";
 
-/** Joint values that differ by less are one posture, rad and m. */
+/** Joint values that differ by less are the same posture, rad and m. */
 const SAME = 1e-4;
 const DEGREE = 180 / Math.PI;
 /** Place in mm, then roll, pitch, yaw in degrees: R = Rz(yaw) Ry(pitch) Rx(roll), as `denavit ik` takes them. */
@@ -26,10 +26,10 @@ export class Reach {
     private readonly typed = new Map<string, HTMLInputElement>();
     private on = false;
     private turns = false;
-    /** Where the tip is wanted next, base_from_tip; null: where it is. */
+    /** The next target of the tip, base_from_tip; null: the current pose. */
     private next: { pose: Matrix4 | null } | undefined;
     private asking = false;
-    /** Set while the joint values are this tool's own. */
+    /** Set while this tool changes the joint values. */
     private mine = false;
     /** Postures within limits, the present one first. */
     private postures: Solution[] = [];
@@ -75,7 +75,7 @@ export class Reach {
         }
     }
 
-    /** Whether nothing is being asked, for tests. */
+    /** Whether no question is pending, for tests. */
     get settled(): boolean {
         return !this.asking && this.next === undefined;
     }
@@ -106,7 +106,7 @@ export class Reach {
         return base && tip && base.clone().invert().multiply(tip);
     }
 
-    /** The handle and the numbers go where the tip is. */
+    /** Moves the handle and the numbers to the tip's pose. */
     private rest(): void {
         const { robot, view } = this.app;
         const [pose, tip] = [robot && view.pose(0, chain(robot).tip), this.tip()];
@@ -128,7 +128,7 @@ export class Reach {
         }
     }
 
-    /** A pose typed; numbers that nobody touched count with all their digits. */
+    /** A pose typed; unchanged numbers keep all their digits. */
     private type(): void {
         const values: number[] = [];
         for (const name of NAMES) {
@@ -190,7 +190,7 @@ export class Reach {
         this.postures = [...(present ? [present] : [{ joints: now, branch: null, within_limits: true, position_error_m: 0, orientation_error_rad: 0 }]), ...within.filter((it) => it !== present)];
         this.list(names);
         const state = best || !asked ? "reached" : answer.reached ? "limits" : "out of reach";
-        // What is out of reach is seen where it was asked for.
+        // An unreachable pose is shown at its target.
         const base = this.base();
         if (base && state !== "reached") view.handle(base.clone().multiply(wanted));
         this.element.dataset["state"] = state;
@@ -257,7 +257,7 @@ export class Reach {
     }
 }
 
-/** An angle without limits is told within half a turn, as its slider has it. */
+/** An angle without limits is shown within half a turn, like its slider. */
 function plain(joint: SceneJoint | undefined, q: number): number {
     if (!joint || joint.lower !== null || joint.kind === "prismatic" || joint.pitch !== null) return q;
     return q - 2 * Math.PI * Math.round(q / (2 * Math.PI));

@@ -1,4 +1,4 @@
-// A calibration's report on the page: errors of each stage, effects and how sure they are, what was tried, error curves.
+// A calibration's report on the page: errors of each stage, effects and their certainty, tried effects, error curves.
 
 import { h, number, svg } from "./dom";
 import type { Calibrated } from "./engine";
@@ -20,10 +20,10 @@ export interface Report {
 
 export const plain = (kind: string) => kind.replaceAll("_", " ");
 
-/** Named effects, those that are one of several, and unexplained structure: each kind looks its own way. */
+/** Named effects, those that are one of several, and unexplained structure: each kind has its own style. */
 export function effects(found: Said | null): HTMLElement {
     const heading = h("h3", {}, "Effects");
-    if (!found) return h("div", { id: "effects" }, heading, h("p", {}, "Not searched for."));
+    if (!found) return h("div", { id: "effects" }, heading, h("p", {}, "Not searched."));
     const list = found.effects.map(({ said, probability }) => h("li", { class: said.named ? "named" : "open" },
         h("b", {}, said.title), ...said.numbers.flatMap((words) => [h("br", {}), words]), h("br", {}),
         h("meter", { min: 0, max: 1, value: probability, "aria-label": "probability" }), h("div", { class: "rivals" }, said.rivals === null ? said.why : `${said.why}; ${said.rivals}`)));
@@ -57,7 +57,7 @@ export function heat(all: Calibrated["tried"]): HTMLElement {
         const share = Math.round(Math.max(0, cell.delta_bic / most) * 100);
         return h("td", { class: share > 55 ? "hot number" : "number", style: `background:color-mix(in srgb, var(--heat) ${share}%, transparent)`, title: `${plain(kind)} at ${place}: ΔBIC ${number(cell.delta_bic, 1)}` }, String(Math.round(cell.delta_bic)));
     };
-    return h("div", { class: "scroll" }, h("table", { class: "heat", id: "tried" }, h("caption", {}, "By how much the best candidate of each kind at each place lowers the information criterion (ΔBIC)"),
+    return h("div", { class: "scroll" }, h("table", { class: "heat", id: "tried" }, h("caption", {}, "Decrease of the information criterion (ΔBIC) by the best candidate of each kind at each place"),
         h("thead", {}, h("tr", {}, h("td", {}), ...places.map((place) => h("th", { scope: "col" }, h("span", {}, place))))),
         h("tbody", {}, ...kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, plain(kind)), ...places.map((place) => cellOf(kind, place)))))));
 }

@@ -1,4 +1,4 @@
-// See: the D-H table beside the picture, findings beside the XML, everything to copy and to download.
+// See: the D-H table next to the picture, findings next to the XML, everything to copy and download.
 
 import type { App, Panel, Robot } from "./app";
 import { chain, chains, question, withMeshes } from "./app";
@@ -43,7 +43,7 @@ export class See implements Panel {
     async show(): Promise<void> {
         const robot = this.app.robot;
         if (!robot) return;
-        // Nothing of the robot before stays under the name of this one.
+        // Nothing of the previous robot remains under the name of this one.
         this.rows = [];
         this.tableBox.replaceChildren(h("p", { role: "status" }, "reading …"));
         this.formula.replaceChildren();
@@ -75,7 +75,7 @@ export class See implements Panel {
             h("div", { class: "row" }, pick,
                 select("Convention", CONVENTIONS, this.app.convention, (value) => this.set(() => { this.app.convention = value; }), "convention"),
                 select("Units", UNITS, this.app.units, (value) => this.set(() => { this.app.units = value; }), "units"),
-                h("label", { class: "check", title: "Take every digit as it stands; otherwise 1.5708 is read as a quarter turn" }, exact, "exact digits")),
+                h("label", { class: "check", title: "Read every digit as written; otherwise 1.5708 is read as a quarter turn" }, exact, "exact digits")),
             this.formula,
             this.tableBox,
             h("p", { class: "legend" },
@@ -96,7 +96,7 @@ export class See implements Panel {
         void this.fill();
     }
 
-    /** What must be said of the robot, and of its meshes. */
+    /** Notes on the robot and its meshes. */
     private note(words: string[]): void {
         const { missing } = this.app.view;
         const of = missing.length > 0
@@ -106,7 +106,7 @@ export class See implements Panel {
         this.notes.replaceChildren(...all.map((text) => h("li", {}, text)));
         (this.noted.firstChild as HTMLElement).textContent = `Notes (${all.length})`;
         this.noted.hidden = all.length === 0;
-        // A part of the picture that is not there is seen without a click.
+        // A missing part of the picture is reported without a click.
         if (of.length > 0) this.noted.open = true;
     }
 
@@ -150,7 +150,7 @@ export class See implements Panel {
         this.app.move();
     }
 
-    /** A row and its frame stand out together. */
+    /** Highlights a row and its frame together. */
     choose(row: number | null): void {
         if (this.app.chosenRow === row) return;
         this.app.chosenRow = row;
@@ -216,7 +216,7 @@ export class See implements Panel {
                 finding.fixable && fixable ? h("button", { "data-fix": at, click: () => void fix(at)() }, "Fix") : null);
         });
         this.findings.replaceChildren(
-            h("p", {}, `${findings.length} found${fixableCount ? `, ${fixableCount} can be fixed at a click` : ""}.`,
+            h("p", {}, `${findings.length} found${fixableCount ? `, ${fixableCount} can be fixed with a click` : ""}.`,
                 ...(fixableCount && fixable ? [" ", h("button", { id: "fix-all", click: () => void fix(null)() }, "Fix all")] : []),
                 " ", h("button", { id: "download-urdf", click: () => save(`${stem(robot.file)}.urdf`, answer.urdf, "application/xml") }, "Download URDF")),
             ...items);

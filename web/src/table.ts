@@ -1,4 +1,4 @@
-// A D-H table as the JSON of `denavit table` gives it, and where its frames stand. Lengths in m, angles in rad.
+// A D-H table as the JSON of `denavit table` gives it, and the poses of its frames. Lengths in m, angles in rad.
 
 import { Matrix4 } from "three";
 

@@ -1,5 +1,5 @@
 // Learn: one joint's twist moved by hand. Four of six ways of moving a turning axis change it, two of six a sliding one; the common
-// normals to the neighbours and the D-H numbers follow, and what changes nothing is seen to change nothing.
+// normals to the neighbours and the D-H numbers follow; motions without effect are visible as such.
 
 import { Matrix4, Vector3 } from "three";
 import { type App, type Robot, question } from "./app";
@@ -30,9 +30,9 @@ export class TwistStep {
         const [r, t, s] = [count(["revolute"]), count(["prismatic"]), count(["helical"])];
         this.fillSliders();
         return [
-            h("p", {}, "Take hold of one axis. There are six small ways of moving it, three turns and three moves; z is the axis itself. Those that carry the axis into itself change neither its twist nor the robot."),
-            h("p", { id: "identifiable" }, `So a turning joint has 4 numbers, a sliding one 2, a helical one 5 with its pitch. Of this chain that makes ${[r ? `4 × ${r}` : "", t ? `2 × ${t}` : "", s ? `5 × ${s}` : ""].filter(Boolean).join(" + ")} for the axes and 6 for the tip at rest: `,
-                h("b", {}, String(4 * r + 2 * t + 5 * s + 6)), `. The D-H form has 4 for the base, 4 for each of the ${lines.length} rows and 2 for the tool${t ? ", of which a sliding joint leaves some free" : ""}; six of them stand for base and tool, four before the first axis and two behind the last.`),
+            h("p", {}, "Move one axis. There are six small motions, three rotations and three translations; z is the axis itself. Those that map the axis to itself change neither its twist nor the robot."),
+            h("p", { id: "identifiable" }, `So a revolute joint has 4 numbers, a prismatic one 2, a helical one 5 with its pitch. This chain has ${[r ? `4 × ${r}` : "", t ? `2 × ${t}` : "", s ? `5 × ${s}` : ""].filter(Boolean).join(" + ")} for the axes and 6 for the tip at rest: `,
+                h("b", {}, String(4 * r + 2 * t + 5 * s + 6)), `. The D-H form has 4 for the base, 4 for each of the ${lines.length} rows and 2 for the tool${t ? ", of which a prismatic joint does not determine some" : ""}; six of them describe base and tool, four before the first axis and two after the last.`),
             select("Joint", lines.map((line, at): [string, string] => [String(at), `${at + 1} ${line.name} (${line.kind})`]), String(this.joint), (value) => {
                 this.joint = Number(value);
                 this.by = [0, 0, 0, 0, 0, 0];
@@ -113,9 +113,9 @@ export class TwistStep {
             h("p", {}, h("b", { id: "twist-free" }, `${free.length} of 6`), ` change this axis: ${free.join(", ")}. `, idle.length ? `Without effect: ${idle.join(", ")}.` : ""),
             h("table", { id: "twist" }, h("thead", {}, h("tr", {}, ...["twist", "ω x", "ω y", "ω z", "v x", "v y", "v z"].map((words) => h("th", { scope: "col" }, words)))),
                 h("tbody", {}, twist("drawn", answer.before), twist("now", answer.after, answer.before))),
-            h("p", { id: "twist-changed" }, changed.length === 0 ? "Every D-H number is as it was." : `Changed: ${changed.join(", ")}. The other rows, and so the rest of the robot, are as they were.`),
+            h("p", { id: "twist-changed" }, changed.length === 0 ? "No D-H number changed." : `Changed: ${changed.join(", ")}. The other rows, and so the rest of the robot, are unchanged.`),
             h("table", { id: "twist-dh" }, h("thead", {}, h("tr", {}, ...["row", "θ", "d, mm", "α", "a, mm"].map((words) => h("th", { scope: "col" }, words)))), h("tbody", {}, ...rows)),
-            h("p", { class: "fine" }, `Orange: the axis now, and its common normals${neighbours.length ? "" : " (it has no neighbour)"}; grey: as drawn. Axes that meet or are parallel have no normal of their own: there a small turn makes the numbers jump, the numbers and not the robot. Here a is not negative, as the paper has it.`));
+            h("p", { class: "fine" }, `Orange: the axis now, and its common normals${neighbours.length ? "" : " (it has no neighbour)"}; grey: as drawn. Axes that meet or are parallel have no unique normal: there a small rotation makes the numbers jump, but not the robot. Here a is not negative, as in the paper.`));
         this.out.dataset["changed"] = JSON.stringify(changed);
         this.out.dataset["by"] = JSON.stringify(by);
     }

@@ -1,4 +1,4 @@
-// The 3-D view: robots by their links and joints, D-H frames with a, α, d, θ, arrows of what is left of measurements.
+// The 3-D view: robots by their links and joints, D-H frames with a, α, d, θ, arrows of residuals.
 
 import {
     AmbientLight, ArrowHelper, DirectionalLight, GridHelper, Group, HemisphereLight, Light, LineBasicMaterial, Matrix4, Mesh, MeshBasicMaterial, Object3D,
@@ -17,9 +17,9 @@ import type { PlacedRow } from "./table";
 
 const LETTERS = { theta: "θ", d: "d", alpha: "α", a: "a", beta: "β" };
 
-/** More triangles make an SVG that no program opens. */
+/** Programs cannot open an SVG with more triangles. */
 const MOST_TRIANGLES = 60_000;
-/** Share of the lights' strength at which an SVG has the colours of the view. */
+/** Fraction of the lights' strength at which an SVG has the colours of the view. */
 const INK = 0.3;
 /** A pointer that goes farther between down and up has turned the view, pixels. */
 const STILL = 5;
@@ -34,7 +34,7 @@ export interface Picked {
     local: Vector3;
 }
 
-/** The robot in another posture, and what it is called. */
+/** The robot in another posture, and its name. */
 export interface Ghost {
     words: string;
     value: (joint: number) => number;
@@ -52,17 +52,17 @@ export class View {
     private readonly pointed = new Group();
     private readonly ruled = new Group();
     private down = new Vector2();
-    /** Told what of the robot is clicked, while somebody wants to know. */
+    /** Called with the clicked part of the robot, while it is set. */
     onpick: ((picked: Picked) => void) | undefined;
     private grip: TransformControls | undefined;
-    /** Set by who wants a handle: makes one. */
+    /** Set by the user of a handle: creates it. */
     grips: ((camera: PerspectiveCamera, canvas: HTMLCanvasElement) => TransformControls) | undefined;
-    /** What the grip moves. */
+    /** The object that the handle moves. */
     private readonly held = new Object3D();
     private phantoms: (Phantom & { words: string })[] = [];
-    /** Told where the handle is dragged, and where it is let go. */
+    /** Called when the handle is dragged, and when it is released. */
     onhandle: ((pose: Matrix4) => void) | undefined;
-    /** Told which ghost is clicked. */
+    /** Called with the clicked ghost. */
     onghost: ((index: number) => void) | undefined;
     private readonly bodies: (Body | undefined)[] = [undefined, undefined];
     private readonly pointer = h("span", { class: "tag pointer", hidden: true });
@@ -74,7 +74,7 @@ export class View {
     private started = false;
     private drawn = false;
     private hovered = "";
-    /** Told the row whose frame is under the pointer; null: none. */
+    /** Called with the row whose frame is under the pointer; null: none. */
     onrow: (row: number | null) => void = () => {};
 
     constructor() {
@@ -92,7 +92,7 @@ export class View {
         return this.bodies[0]?.missing ?? [];
     }
 
-    /** Whether there is a picture: not where the browser has no WebGL. */
+    /** Whether there is a picture: false if the browser has no WebGL. */
     get works(): boolean {
         return this.renderer !== undefined;
     }
@@ -105,7 +105,7 @@ export class View {
     show(index: 0 | 1, scene: Scene | null, meshes: Dropped = new Map(), from = "/", packages: Packages = new Map(), alone = false): void {
         this.start();
         if (index === 0) {
-            // Frames and marks of the robot before are none of this one's.
+            // Frames and marks of the previous robot do not apply to this one.
             clear(this.pointed);
             this.frames([], "", null);
             this.marks([], []);
@@ -128,7 +128,7 @@ export class View {
         this.draw();
     }
 
-    /** Draws a robot, or leaves it out for a while. */
+    /** Shows or hides a robot. */
     see(index: 0 | 1, shown: boolean): void {
         const body = this.bodies[index];
         if (body) body.group.visible = shown;
@@ -199,12 +199,12 @@ export class View {
     /** The picture as it stands, as an SVG of triangles, lines and names. */
     svg(): string {
         const triangles = this.bodies.reduce((sum, body) => sum + (body?.triangles ?? 0), 0);
-        if (triangles > MOST_TRIANGLES) throw new Error(`the shapes have ${triangles} triangles, an SVG holds ${MOST_TRIANGLES}; hide the shapes, or take the PNG`);
+        if (triangles > MOST_TRIANGLES) throw new Error(`the shapes have ${triangles} triangles, an SVG holds ${MOST_TRIANGLES}; hide the shapes, or use the PNG`);
         const { clientWidth: width, clientHeight: height } = this.element;
         const pen = new SVGRenderer();
         pen.setSize(width, height);
         pen.setPrecision(2);
-        // This renderer counts light otherwise than the graphics card.
+        // This renderer computes light differently from the graphics card.
         this.light(INK);
         this.without(() => pen.render(this.scene, this.camera));
         this.light(1 / INK);
@@ -243,7 +243,7 @@ export class View {
         this.draw();
     }
 
-    /** Words beside the handle; none: no words. */
+    /** Text next to the handle; empty: none. */
     warn(words: string): void {
         this.labels.set("handle", words ? [{ at: this.held.position.clone(), words, kind: "pointer", first: true }] : []);
         this.draw();
@@ -355,7 +355,7 @@ export class View {
         return Math.min(this.size, Math.max(7 * middle, this.size * 0.01));
     }
 
-    /** Lines, arrows and names in the root frame, in place of those before. */
+    /** Replaces lines, arrows and names in the root frame. */
     marks(lines: { from: Vector3; to: Vector3; colour: number; thick?: boolean }[], arrows: { at: Vector3; by: Vector3; colour: number }[], names: { at: Vector3; words: string }[] = []): void {
         clear(this.arrows);
         for (const { from, to, colour, thick } of lines) {
@@ -371,7 +371,7 @@ export class View {
         this.draw();
     }
 
-    /** Looks at the robot from where all of it is seen, from this side. */
+    /** Moves the camera to show the whole robot from this side. */
     fit(side = new Vector3(1, -1.25, 0.75)): void {
         const body = this.bodies[0];
         if (!body || !this.controls) return;

@@ -5,7 +5,7 @@
 
 /// Bytes before the first value: the encoding and options.
 const HEADER: usize = 4;
-/// A list is not believed to be longer than this: a broken message asks for all memory.
+/// Longest list; a broken message could otherwise allocate all memory.
 const MOST: usize = 1 << 20;
 
 /// A message while it is read; every reader gives `None` where it ends too early.

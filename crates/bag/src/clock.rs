@@ -1,11 +1,11 @@
-//! How far the instrument's clock is ahead of the robot's: what moves together moves at the same time.
+//! How far the instrument's clock is ahead of the robot's, found from motions that happen at the same time.
 //!
-//! Each sender's stamps are first compared with when its messages were recorded, which tells the clocks to some tens of
-//! milliseconds. What is left is the shift at which the joints' speed and the target's go together best.
+//! Each sender's stamps are first compared with the recording times, which gives the offset to some tens of
+//! milliseconds. The rest is the shift at which the speeds of the joints and of the target correlate best.
 
 use crate::tracks::Track;
 
-/// Largest shift that is looked for after the first comparison, s.
+/// Largest shift searched after the first comparison, s.
 const MOST_SHIFT: f64 = 2.0;
 /// Steps of the grid on which speeds are compared, s: no finer than the messages come, within these.
 const STEPS: [f64; 2] = [5e-3, 5e-2];
@@ -18,18 +18,18 @@ const PERIODS_OF_A_PAUSE: f64 = 20.0;
 /// No more steps than this are compared: a longer recording is compared in longer steps.
 const MOST_STEPS: f64 = 1e7;
 
-/// What the two clocks say of each other.
+/// The result of comparing the two clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Clocks {
-    /// What to take from the target's stamps to have the joints' clock, s.
+    /// Subtract this from the target's stamps to get the joints' clock, s.
     pub ahead: f64,
-    /// Of the speeds, at this shift.
+    /// Correlation of the speeds at this shift.
     pub correlation: f64,
 }
 
 /// Compares the clocks; `None` where one of the two never moves or they were not recorded at the same time.
 ///
-/// Speeds are compared where both send: a pause takes no time and no memory.
+/// Speeds are compared where both send: a pause costs no time and no memory.
 pub(crate) fn clocks(joints: &Track, target: &Track) -> Option<Clocks> {
     let rough = ahead_of_recorder(target) - ahead_of_recorder(joints);
     let in_joints_time: Vec<f64> = target.stamps.iter().map(|stamp| stamp - rough).collect();
@@ -76,7 +76,7 @@ fn stretches(stamps: &[f64], period: f64) -> Vec<[f64; 2]> {
     found
 }
 
-/// What two lists of stretches, each in order, have in common.
+/// The intersection of two ordered lists of intervals.
 fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let (mut i, mut k, mut found) = (0, 0, Vec::new());
     while i < a.len() && k < b.len() {

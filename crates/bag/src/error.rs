@@ -1,8 +1,8 @@
-//! Why a bag makes no rows.
+//! Why a bag cannot be converted to rows.
 
 use thiserror::Error;
 
-/// Why a bag makes no rows.
+/// Why a bag cannot be converted to rows.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BagError {
@@ -21,18 +21,18 @@ pub enum BagError {
         folder: String,
     },
     /// Files that were compressed as a whole.
-    #[error("{file}: the bag is compressed as a whole; take it apart first: zstd -d {file}")]
+    #[error("{file}: the whole file is compressed; decompress it first: zstd -d {file}")]
     Compressed {
         /// The file.
         file: String,
     },
     /// Messages that were compressed one by one.
-    #[error("{file}: the messages are compressed one by one; write it anew without: ros2 bag convert")]
+    #[error("{file}: its messages are compressed; rewrite the bag without compression: ros2 bag convert")]
     CompressedMessages {
         /// The file.
         file: String,
     },
-    /// A file that is no bag, or is broken.
+    /// A file that is not a bag, or is damaged.
     #[error("{file}: this bag cannot be read ({what}); is the recording complete? ros2 bag reindex may repair it")]
     Broken {
         /// The file.
@@ -42,7 +42,7 @@ pub enum BagError {
     },
     /// A message that does not hold what its type says.
     #[error(
-        "{file}: message {number} of {topic} is no {kind}: it ends too early or names an unknown encoding; record it again"
+        "{file}: message {number} of {topic} is not a {kind}: it ends too early or names an unknown encoding; record it again"
     )]
     Message {
         /// The file.
@@ -67,7 +67,7 @@ pub enum BagError {
     /// Nothing that measures a target.
     #[error(
         "{file}: no topic is a PoseStamped, TransformStamped, PointStamped or tf2_msgs/TFMessage; there are {found}; record \
-         the instrument's topic, too"
+         the instrument's topic as well"
     )]
     NoTarget {
         /// The file.
@@ -75,8 +75,8 @@ pub enum BagError {
         /// The topics that are there.
         found: String,
     },
-    /// Several topics may be meant.
-    #[error("{file}: several topics may be {what}: {found}; choose one by {option}")]
+    /// Several topics are possible.
+    #[error("{file}: several topics may be {what}: {found}; choose one with {option}")]
     Several {
         /// The file.
         file: String,
@@ -116,7 +116,7 @@ pub enum BagError {
         /// Counted from 1 among those of the topic.
         number: usize,
     },
-    /// Joints and target that have nothing to do with each other.
+    /// The motions of joints and target do not correlate.
     #[error(
         "{file}: {target} does not move when the joints of {joints} do (correlation {correlation}); is it the target on this \
          robot, and was it recorded at the same time?"
@@ -133,7 +133,7 @@ pub enum BagError {
     },
     /// The robot never stood still while the target was seen.
     #[error(
-        "{file}: the robot stands still nowhere for {least} s while the target is seen; stop at each pose for a second or two"
+        "{file}: the robot never stands still for {least} s while the target is seen; stop at each pose for a second or two"
     )]
     NoStandstill {
         /// The file.

@@ -6,16 +6,16 @@ use crate::error::BagError;
 use crate::standstill::{LEAST, standstills};
 use crate::tracks::{Track, tracks};
 
-/// Joints and target belong together when their speeds correlate at least so.
+/// Smallest correlation of speeds at which joints and target belong together.
 const RELATED: f64 = 0.3;
-/// Fewer readings of the target than this are no row.
+/// Smallest number of target readings for a row.
 const LEAST_READINGS: usize = 3;
 /// A target whose readings spread this many times more than usual was moving.
 const MOVING: f64 = 10.0;
 
-/// Spreads below this (m) are rounding: the instrument repeats itself to the last digit and does not say how sure it is.
+/// Spreads below this (m) are rounding: the instrument repeats the same digits and its uncertainty is unknown.
 const ROUNDING: f64 = 1e-9;
-/// Readings that agree by chance are not taken to be this many times surer than usual.
+/// Readings that agree by chance may be at most this many times more certain than usual.
 const SURER: f64 = 10.0;
 
 /// The rows of a bag.
@@ -24,7 +24,7 @@ pub struct Rows {
     /// CSV: time (s), a column per joint (rad or m), x, y, z (m), qx, qy, qz, qw where the target was turned, and the standard
     /// deviations of x, y, z over the standstill (m).
     pub csv: String,
-    /// What was found, for people.
+    /// What was found, as sentences.
     pub notes: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ pub fn rows(bag: &str, asked: &BagOptions) -> Result<Rows, BagError> {
             median(rows.iter().map(|row| row.readings as f64).collect()),
         ),
         format!(
-            "the clock of {} is {:.4} s ahead of that of {} (their speeds correlate by {:.2})",
+            "the clock of {} is {:.4} s ahead of that of {} (correlation of their speeds {:.2})",
             target.name, found.ahead, joints.name, found.correlation
         ),
     ];
@@ -119,7 +119,7 @@ fn row(stand: [f64; 2], joints: &Track, target: &Track, clocks: &Clocks) -> Opti
 
 fn mean(values: &[Vec<f64>]) -> Vec<f64> {
     let count = values.len() as f64;
-    // From the first value on: what does not change comes out as it is.
+    // Relative to the first value: a constant remains exact.
     let column = |k: usize| values[0][k] + values.iter().map(|one| one[k] - values[0][k]).sum::<f64>() / count;
     (0..values[0].len()).map(column).collect()
 }

@@ -2,11 +2,11 @@
 
 use crate::tracks::Track;
 
-/// A joint stands while its readings stay within this, rad or m: encoders tremble.
+/// A joint stands while its readings stay within this, rad or m: encoder readings fluctuate.
 const STILL: f64 = 5e-4;
-/// Shorter is no standstill, s.
+/// Shortest standstill, s.
 pub(crate) const LEAST: f64 = 0.5;
-/// Left out at both ends, s: what the arm swings, and what the clocks leave open.
+/// Left out at both ends, s: the arm's oscillation and the uncertainty of the clocks.
 pub(crate) const SETTLING: f64 = 0.15;
 
 /// The standstills as pairs of times by the joints' clock, s, without what is left out at their ends.

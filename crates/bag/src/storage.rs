@@ -1,4 +1,4 @@
-//! The messages of a bag, whichever file they are kept in.
+//! The messages of a bag, in any storage format.
 
 use crate::error::BagError;
 use mcap::io::MessageReader;
@@ -24,7 +24,7 @@ const PACKED: &str = "zstd";
 /// How zstd's frames begin (RFC 8878, 3.1.1); a message in CDR begins with 0.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
-/// No message is larger, bytes; a broken length would ask for all memory.
+/// Largest message, bytes; a wrong length could otherwise allocate all memory.
 const LARGEST_RECORD: usize = 1 << 28;
 
 /// Whether a name is that of a bag: a file of `ros2 bag record`, or a folder that holds such files.
@@ -151,7 +151,7 @@ fn not_packed(file: &str, bytes: &[u8]) -> Result<(), BagError> {
     if bytes.starts_with(&ZSTD) { Err(BagError::CompressedMessages { file: file.into() }) } else { Ok(()) }
 }
 
-/// Nanoseconds since 1970 as seconds; a double tells 0.2 µs apart there.
+/// Nanoseconds since 1970 as seconds; a double resolves 0.2 µs there.
 fn seconds(nanoseconds: i128) -> f64 {
     nanoseconds as f64 * 1e-9
 }

@@ -1,4 +1,4 @@
-//! What the topics of a bag say: the joints' readings and the places of a target, each by its own clock and the recorder's.
+//! The data of a bag's topics: joint readings and target positions, each by its own clock and the recorder's.
 
 use crate::BagOptions;
 use crate::clock::median;
@@ -27,7 +27,7 @@ impl Track {
         self.values.push(values);
     }
 
-    /// The first message after which the sender's clock differs from the recorder's by another time than before, and by how much, s.
+    /// The first message after which the sender's clock differs from the recorder's by a different offset, and the change, s.
     ///
     /// Late messages differ, too, but not those around them.
     fn jump(&self) -> Option<(usize, f64)> {

@@ -1,10 +1,11 @@
-//! A model of one day compared with rows of a later one, tracker and target mounted anew: what calibrations promise.
+//! A model of one day tested on rows of a later day, with tracker and target mounted again.
 //!
 //! `cargo run --release -p denavit-calibrate --example later_real -- ROBOT.urdf BEFORE.csv LATER.csv [ROWS]`
 //!
-//! Each model (geometry, error curves beside it, effects and curves, what a calibration recommends) is fitted to BEFORE. Of LATER some rows (one in
-//! twenty) place instrument and target, nothing else; the others are predicted. Then a geometry that was fitted to 150 rows of
-//! BEFORE is brought up to date by a few rows of LATER, and so is the whole model of BEFORE with its effects and curves. In the environment: `TIP`, `UNITS`, `SEED`.
+//! Each model (geometry, geometry with error curves, effects and curves, what a calibration recommends) is fitted to BEFORE. Some rows of
+//! LATER (ROWS, or one in twenty) determine only the poses of instrument and target; the others are predicted. Then a geometry fitted to
+//! 150 rows of BEFORE is updated with a few rows of LATER, and so is the whole model of BEFORE with its effects and curves. Environment
+//! variables: `TIP`, `UNITS`, `SEED`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -31,7 +32,7 @@ use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
-/// Effects that act and are not fitted.
+/// Fixed effects: they act and are not fitted.
 #[derive(Clone)]
 struct FixedEffects(EffectModel);
 
@@ -61,10 +62,10 @@ impl Effects for FixedEffects {
     }
 }
 
-/// Rows of BEFORE for the geometry that is brought up to date, and of LATER for that.
+/// Rows of BEFORE for the geometry that is updated, and rows of LATER for the update.
 const BEFORE: usize = 150;
 const AFTER: [usize; 4] = [5, 10, 20, 40];
-/// Rows of LATER that judge, and how often the rows are drawn.
+/// Test rows of LATER, and number of draws.
 const JUDGED: usize = 600;
 const DRAWS: u64 = 10;
 
@@ -73,7 +74,7 @@ fn main() {
     let real = Real::robot(&arguments[1]);
     let (chain, statics) = (&real.chain, &real.statics);
     let (before, later) = (real.rows(&arguments[2]), real.rows(&arguments[3]));
-    // The side of approach comes from the order of all rows, not of those that are drawn.
+    // The side of approach comes from the order of all rows, not of the drawn ones.
     let later = with_run_order_after(later, &before);
     let placing: usize = arguments.get(4).map_or(later.len() / 20, |word| word.parse().unwrap());
     let seed: u64 = std::env::var("SEED").map_or(0, |word| word.parse().unwrap());
@@ -87,14 +88,14 @@ fn main() {
     });
     let within = within_range(&before, &judged);
     println!(
-        "{} rows fitted; of {} later ones {} place instrument and target; {} of the others within the range of the fitted",
+        "{} rows fitted; {} later rows, of which {} place instrument and target; {} of the others within the fitted range",
         before.len(),
         later.len(),
         placing.len(),
         within.iter().filter(|within| **within).count()
     );
     say_how_postures_differ(&before, &judged);
-    println!("| model of {} | all later rows, mm rms | within its range |\n|---|---|---|", arguments[2]);
+    println!("| model of {} | all later rows, mm rms | rows within its range |\n|---|---|---|", arguments[2]);
     let mut known = None;
     for word in ["geometry", "curves", "effects and curves", "recommended"] {
         let mut options = CalibrateOptions::geometry(chain);
@@ -114,8 +115,8 @@ fn main() {
     with_effects_and_curves(statics, &known.unwrap(), &later, seed);
 }
 
-/// The two joints whose readings go together most differently, and the stretch of one joint's readings that holds most of the later rows
-/// where the fitted have a single one.
+/// Prints the two joints whose correlation of readings changes most, and the interval of one joint's readings that has the largest
+/// fraction of the later rows but only one fitted row.
 fn say_how_postures_differ(before: &Measurements, later: &Measurements) {
     let joints = before.reading(0).len();
     let readings = |data: &Measurements, joint: usize| -> Vec<f64> {
@@ -147,18 +148,18 @@ fn say_how_postures_differ(before: &Measurements, later: &Measurements) {
     });
     let (share, joint, low, high) = gaps.max_by(|x, y| x.0.total_cmp(&y.0)).unwrap();
     println!(
-        "{:.0} % of the later rows have reading {} between {low:.2} and {high:.2}, where the fitted have a single one\n",
+        "{:.0} % of the later rows have reading {} between {low:.2} and {high:.2}; only one fitted row does\n",
         share * 100.0,
         joint + 1
     );
 }
 
-/// The whole earlier model, its effects and curves in it, on later rows that none saw: as it was left with instrument and target placed
-/// by a few rows, and brought up to date by them. Where the rows suffice, more is looked for beside it: the stage that is adopted.
+/// Errors of the whole earlier model with its effects and curves on later test rows: unchanged, with instrument and target placed by a few
+/// rows, and updated with these rows. With enough rows more causes are searched: the adopted stage.
 fn with_effects_and_curves(statics: &Statics, known: &Earlier, later: &Measurements, seed: u64) {
     let chain = &statics.chain;
     println!(
-        "\n| later rows | earlier model, mm rms | brought up to date | adopted | of its parts left out, mean | axes count, mean |"
+        "\n| later rows | earlier model, mm rms | updated | adopted | parts left out, mean | weight of its axes, mean |"
     );
     println!("|---|---|---|---|---|---|");
     for count in AFTER {
@@ -175,7 +176,7 @@ fn with_effects_and_curves(statics: &Statics, known: &Earlier, later: &Measureme
             let stages = &found.report.stages;
             let square = |stage: &Stage| stage.test.as_ref().unwrap().of("position").unwrap().rms.powi(2);
             let named = |name: &str| square(stages.iter().find(|stage| stage.name == name).unwrap());
-            // Without held-out rows the last stage is handed on.
+            // Without held-out rows the last stage is adopted.
             let [earlier, updated, last] = [named("earlier"), named("updated"), square(stages.last().unwrap())];
             let continued = found.report.earlier.as_ref().unwrap();
             let left_out = continued.effects.iter().filter(|part| part.state != PartState::Kept).count();
@@ -187,10 +188,10 @@ fn with_effects_and_curves(statics: &Statics, known: &Earlier, later: &Measureme
     }
 }
 
-/// Geometry from a few later rows alone, the earlier geometry, and that one brought up to date, on later rows that none saw.
+/// Errors on later test rows: geometry from a few later rows alone, the earlier geometry, and the updated one.
 fn brought_up_to_date(statics: &Statics, before: &Measurements, later: &Measurements, seed: u64) {
     let chain = &statics.chain;
-    println!("\n| later rows | alone, mm rms | earlier robot | earlier robot brought up to date | counts, mean |");
+    println!("\n| later rows | alone, mm rms | earlier robot | earlier robot, updated | weight, mean |");
     println!("|---|---|---|---|---|");
     for count in AFTER {
         let mut sums = [0.0; 4];
@@ -226,7 +227,7 @@ fn brought_up_to_date(statics: &Statics, before: &Measurements, later: &Measurem
     }
 }
 
-/// For each row whether every reading lies within what the fitted rows span.
+/// For each row whether every reading is within the range of the fitted rows.
 fn within_range(fitted: &Measurements, rows: &Measurements) -> Vec<bool> {
     let joints = fitted.reading(0).len();
     let span = |joint: usize| {
@@ -239,7 +240,7 @@ fn within_range(fitted: &Measurements, rows: &Measurements) -> Vec<bool> {
     (0..rows.len()).map(inside).collect()
 }
 
-/// Position error in m, root mean square: of all rows judged, and of those within the range.
+/// Position error in m, root mean square: of all test rows, and of those within the range.
 fn predicted(
     found: &Calibration,
     statics: &Statics,
@@ -249,7 +250,7 @@ fn predicted(
 ) -> [f64; 2] {
     let chain = &statics.chain;
     let options = IdentifyOptions { freedom: Freedom::placement(chain.joints().len()), ..IdentifyOptions::axes(chain) };
-    // The drawn robot finds where they stand roughly; the model then says it exactly.
+    // The drawn robot gives rough poses of instrument and target; the model then refines them.
     let guess = identify(chain, placing, &options).nominal.arm;
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
     let start = Arm { joints: found.arm().joints.clone(), ..guess };

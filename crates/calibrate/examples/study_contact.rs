@@ -1,5 +1,5 @@
-//! How near planes, dial gauges, hands that touch each other or hold a tool, and sensors of gravity come to the Cramér-Rao bound: prints the tables of
-//! docs/without-an-instrument.md.
+//! Errors relative to the Cramér-Rao bound for planes, dial gauges, hands that touch each other or hold a tool, and gravity sensors:
+//! prints the tables of docs/without-an-instrument.md.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table.
 
@@ -14,7 +14,7 @@ use denavit_identify::simulate::SimulationOptions;
 use denavit_measurements::kinds::ObservationKind;
 
 const RUNS: u64 = 100;
-/// A row of a grip has a frame of its own: these take long.
+/// Fewer runs, because they take long: each grip has a frame of its own.
 const GRIPS: u64 = 24;
 
 fn main() {
@@ -36,9 +36,9 @@ fn main() {
         let [fitted_mm, plain, drawn] = [fitted, plain, drawn].map(|error| error * 1e3);
         println!("| {rows} | {RUNS} | {drawn:.2} | {fitted_mm:.3} | {plain:.3} | {:.3} |", fitted / bound);
     }
-    println!("\nof 95 % intervals of 40 touches {:.3} hold the truth", hands::covered(40, 0..RUNS));
+    println!("\n95 % intervals of 40 touches that contain the truth: {:.3}", hands::covered(40, 0..RUNS));
     println!(
-        "\n| grips of a tool | runs | as drawn, mm and mrad | fitted | fitted over the bound | of 95 % intervals |\n|---|---|---|---|---|---|"
+        "\n| grips of a tool | runs | as drawn, mm and mrad | fitted | fitted over the bound | truth in 95 % intervals |\n|---|---|---|---|---|---|"
     );
     for rows in [20, 40] {
         let ([drawn, fitted, bound], inside) = hands::grip_errors(rows, 0..GRIPS);

@@ -1,11 +1,11 @@
-//! How often intervals hold the truth: bands of error curves, coefficients of effects.
+//! How often intervals contain the truth: bands of error curves, coefficients of effects.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_coverage -- [RUNS] [others]`
 //!
-//! UR5e, off by 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad. Curves: three
-//! joints err by four sines of orders between 1.5 and 8. A curve is compared with the truth less its mean over the rows, which is
-//! the zero of the joint and therefore geometry's. With `others` the errors are others: draws of the kernel that curves are expected to have, and
-//! sines of higher orders, in few rows.
+//! UR5e with errors of 1 mrad and 1 mm on each axis, 0.05 mm noise of each component of position, readings spread over ±2.5 rad. Curves:
+//! three joints have errors of four sines of orders between 1.5 and 8. A curve is compared with the truth minus its mean over the rows,
+//! which is the zero of the joint and therefore part of the geometry. `others` uses other errors, with few rows: draws from the prior kernel
+//! of curves, and sines of higher orders.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
@@ -19,25 +19,25 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// Readings are spread over this much to either side, rad.
+/// Readings are spread over this range to either side, rad.
 const REACH: f64 = 2.5;
-/// Two standard deviations of a normal distribution hold so much to either side.
+/// Half of a 95 % interval, in standard deviations of a normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Root mean square of a joint's error, rad.
 const GEAR: f64 = 3e-4;
-/// Joints that err.
+/// Joints with errors.
 const GEARS: [usize; 3] = [1, 2, 4];
 /// Sines in the error of a joint.
 const SINES: usize = 4;
-/// Waves that a draw of the kernel is made of.
+/// Waves in a draw of the kernel.
 const WAVES: usize = 100;
 
-/// What the errors of joints are like.
+/// Kind of the joints' errors.
 #[derive(Debug, Clone, Copy)]
 pub enum Errors {
     /// Four sines of orders between these, of 0.3 mrad in all.
     Sines(f64, f64),
-    /// Draws of the kernel that curves are expected to have (Matérn, 5/2): size and length scale, rad.
+    /// Draws from the prior kernel of curves (Matérn, 5/2): size and length scale, rad.
     Kernel(f64, f64),
 }
 
@@ -101,7 +101,7 @@ pub fn gears(errors: Errors, readings: &[Vec<f64>], seed: u64) -> Vec<Effect> {
     effects
 }
 
-/// What the effects of one joint add to its reading, rad.
+/// Sum of one joint's effects on its reading, rad.
 pub fn error(effects: &[Effect], reading: f64) -> f64 {
     let of = |effect: &Effect| match effect.term.driver {
         Driver::Harmonic { order, .. } => {
@@ -124,14 +124,14 @@ fn calibrated(effects: Vec<Effect>, readings: Vec<Vec<f64>>, seed: u64, traced: 
     calibrate(&chain, &statics, data, None, &options).unwrap()
 }
 
-/// Counts of what lies inside and of all, and the sum of squares of errors over standard deviations.
+/// Counts of values inside and of all, and the sum of squares of errors divided by standard deviations.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Share {
-    /// How many lie inside.
+    /// Number of values inside.
     pub inside: f64,
-    /// Of this many.
+    /// Number of values.
     pub all: f64,
-    /// Errors over standard deviations, squared and summed.
+    /// Sum of squares of errors divided by standard deviations.
     pub squares: f64,
 }
 
@@ -147,7 +147,7 @@ impl Share {
     }
 }
 
-/// The bands of the curves of one run, over the fitted rows' readings; how many of the joints that err have one, and how many others.
+/// The bands of one run's curves, over the fitted rows' readings; the numbers of curves at joints with errors, and at other joints.
 pub fn bands(errors: Errors, rows: usize, seed: u64) -> (Share, usize, usize) {
     let readings = readings(rows, seed);
     let truth = gears(errors, &readings, seed);
@@ -166,7 +166,7 @@ pub fn bands(errors: Errors, rows: usize, seed: u64) -> (Share, usize, usize) {
     (share, right, curves.len() - right)
 }
 
-/// An effect and its size, so that it moves the tip by some 0.2 mm.
+/// An effect, of a size that moves the tip by about 0.2 mm.
 fn one(kind: Kind) -> Effect {
     let joint = 1;
     match kind {
@@ -203,7 +203,7 @@ fn main() {
         let sum = |of: &dyn Fn(&Share) -> f64| shares.iter().map(of).sum::<f64>();
         let all = sum(&|share| share.all).max(1.0);
         let inside = sum(&|share| share.inside) / all;
-        // Readings of one curve hang together: the spread is that of the runs.
+        // Values of one curve are correlated: the spread is that of the runs.
         let count = shares.len().max(1) as f64;
         let spread = (sum(&|share| (share.of(share.inside) - inside).powi(2)) / count).sqrt() / count.sqrt();
         let size = (sum(&|share| share.squares) / all).sqrt();
@@ -213,7 +213,7 @@ fn main() {
         let found: Vec<(Share, usize, usize)> = (first..first + runs).map(|seed| bands(errors, rows, seed)).collect();
         let (right, wrong) = found.iter().fold((0, 0), |sum, run| (sum.0 + run.1, sum.1 + run.2));
         let shares: Vec<Share> = found.iter().map(|run| run.0).filter(|share| share.all > 0.0).collect();
-        let said = format!("{right} of {}, {wrong} of others", found.len() * GEARS.len());
+        let said = format!("{right} of {}, {wrong} at other joints", found.len() * GEARS.len());
         line(&format!("{what}, {rows} rows"), said, &shares);
         found
     };
@@ -237,7 +237,7 @@ fn main() {
         let whole = found.iter().filter(|run| run.1 == GEARS.len());
         let whole: Vec<Share> = whole.map(|run| run.0).collect();
         if whole.len() < found.len() {
-            line("- where all that err were found", format!("{} of {runs} files", whole.len()), &whole);
+            line("- files with all three joints found", format!("{} of {runs} files", whole.len()), &whole);
         }
     }
     for kind in [Kind::JointCompliance, Kind::TransmissionError, Kind::JointScale, Kind::Backlash] {

@@ -1,10 +1,10 @@
 //! Few rows of every real set: `cargo run --release -p denavit-calibrate --example study_few -- DRAWS.json [SIZES [SETS]]`.
 //!
-//! Of each set ten draws of 15 to 200 rows (postures are never split) are fitted and judged on up to 300 other rows: error of each stage over
-//! that of plain geometry, whether the predicted error holds, and by which the set is harmed. The draws are written to the first argument
-//! for other programs. In the environment: `MEASURED`, the folder of the sets (`../shared/measured`); `FAST`: no search for causes, so that
-//! the stage with causes and what `auto` chooses are left out; `DRAWS` (10), `FIRST` (0);
-//! `LOCAL`: rows near each other, judged on all others.
+//! Ten draws of 15 to 200 rows of each set (postures are never split) are fitted and tested on up to 300 other rows: the error of each stage
+//! relative to plain geometry, whether the predicted error is right, and which stage makes a set worse. The draws are written to the first
+//! argument for other programs. Environment variables: `MEASURED`, the folder of the sets (`../shared/measured`); `FAST`: no search for
+//! causes, so the stage with causes and the choice of `auto` are left out; `DRAWS` (10), `FIRST` (0); `LOCAL`: rows near each other, tested
+//! on all others.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -44,7 +44,7 @@ const SETS: &[(&str, &str, &str, &str)] = &[
     ("tiago", "robots/pal/tiago.urdf", "tiago_mocap/measurements.csv", ""),
 ];
 
-/// Rows that judge, at most.
+/// Test rows, at most.
 const JUDGES: usize = 300;
 
 fn main() {
@@ -72,7 +72,7 @@ fn main() {
         let real = Real::in_units(&robot, units);
         let mut data = real.rows(&format!("{measured}/{rows}"));
         if data.covariate("time").is_none() {
-            // The order of all rows, so that a draw knows when each of its rows was measured.
+            // The order of all rows: each drawn row keeps its time of measurement.
             let values = (0..data.len()).map(|row| row as f64).collect();
             data.covariates.push(Covariate { name: "time".into(), values });
         }
@@ -118,7 +118,7 @@ fn main() {
     }
 }
 
-/// A draw's errors on rows that were not fitted, mm; NaN where there is no result.
+/// A draw's errors on test rows, mm; NaN without a result.
 struct Outcome {
     set: String,
     size: usize,
@@ -127,9 +127,9 @@ struct Outcome {
     geometric: f64,
     named: f64,
     averaged: f64,
-    /// The stage that `auto` hands on.
+    /// The stage that `auto` adopts.
     chosen: f64,
-    /// Components within 1.96 predicted deviations and all of them: within the measured ranges, and outside.
+    /// Number of components within 1.96 predicted deviations, and number of all: within the measured ranges, and outside.
     covered: [[f64; 2]; 2],
     seconds: [f64; 2],
 }
@@ -180,7 +180,7 @@ fn table_line(word: &str, outcomes: &[&Outcome], way: usize) {
     );
 }
 
-/// Training and test rows, whole postures; none where the set has too few.
+/// Training and test rows, whole postures; `None` if the set has too few.
 fn drawn(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, Vec<usize>)> {
     let postures = data.postures();
     let mut postures: Vec<Vec<usize>> = postures.iter().map(<[usize]>::to_vec).collect();
@@ -201,7 +201,7 @@ fn drawn(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, V
     (test.len() > 5).then_some((train, test))
 }
 
-/// Rows whose joints stand near those of one of them, and some of the others.
+/// Rows with postures near that of one row, and some of the others.
 fn near(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, Vec<usize>)> {
     if data.len() < size + 6 {
         return None;
@@ -221,7 +221,7 @@ fn near(data: &Measurements, size: usize, draw: usize) -> Option<(Vec<usize>, Ve
     };
     let mut by_distance = order.clone();
     by_distance.sort_by(|a, b| far(a).total_cmp(&far(b)));
-    // Of the eighth that is nearest.
+    // From the nearest eighth.
     let nearest = &by_distance[..(2 * size).max(data.len() / 8).min(data.len())];
     let mut train: Vec<usize> = order.iter().copied().filter(|row| nearest.contains(row)).take(size).collect();
     let mut test: Vec<usize> = order.iter().copied().filter(|row| !train.contains(row)).take(JUDGES).collect();
@@ -258,7 +258,7 @@ fn judged(
         covered: [[0.0; 2]; 2],
         seconds: [0.0; 2],
     };
-    // The side from which a joint came is told by the rows measured before, drawn or not.
+    // The side of approach of a joint comes from the rows measured before, drawn or not.
     let (train, test) = (ordered.subset(train_rows), ordered.subset(test_rows));
     let mut options = CalibrateOptions::geometry(&real.chain);
     options.trace = (!fast).then(|| TraceOptions::new(options.identify.clone()));

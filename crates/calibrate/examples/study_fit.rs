@@ -1,7 +1,7 @@
-//! How many Jacobians a geometric fit takes, and whether it ends: `cargo run --release --example study_fit -- ROBOT FILE [DRAWS]`.
+//! How many Jacobians a geometric fit takes, and whether it converges: `cargo run --release --example study_fit -- ROBOT FILE [DRAWS]`.
 //!
-//! For all rows and for random draws of 15 to 200 rows: fits that did not converge, steps and Jacobians of the geometric fit (median, most), and its
-//! root mean square error on up to 300 other rows (geometric mean over the draws, largest; mm). `TIP` and `UNITS` in the environment.
+//! For all rows and for random draws of 15 to 200 rows: fits that did not converge, steps and Jacobians of the geometric fit (median, most),
+//! and its root mean square error on up to 300 other rows (geometric mean over the draws, largest; mm). Environment variables: `TIP`, `UNITS`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first failure.
 
 #[allow(dead_code, reason = "other studies take what this one does not")]

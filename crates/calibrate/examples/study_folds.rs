@@ -1,7 +1,7 @@
 //! Every row held out once: `cargo run --release -p denavit-calibrate --example study_folds -- ROBOT.urdf|TABLE.csv DATA.csv [FOLDS]`.
 //!
-//! Postures are dealt at random to this many folds; each fold is predicted by a model of all the others. In the environment: `TIP` (links, commas
-//! between them), `UNITS` (such as mm,deg), `SEED` of the deal.
+//! Postures are assigned at random to this many folds; each fold is predicted by a model of all the others. Environment variables: `TIP`
+//! (links, separated by commas), `UNITS` (such as mm,deg), `SEED` of the assignment.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -24,7 +24,7 @@ fn main() {
     let mut order: Vec<&[usize]> = postures.iter().collect();
     order.sort_unstable();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    // Per way of modelling: sum of squares, sum, largest, rows.
+    // Per model: sum of squares, sum, largest, rows.
     let words = ["nominal", "geometry", "curves", "result"];
     let mut sums = [[0.0, 0.0, 0.0, 0.0]; 4];
     for fold in 0..folds {

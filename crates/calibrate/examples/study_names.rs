@@ -1,7 +1,7 @@
-//! Which effects are named when only four rows of five are given, or another share of them, drawn at random:
+//! Which effects are named if only a fraction of the rows is used (four fifths by default), drawn at random:
 //! `cargo run --release -p denavit-calibrate --example study_names -- ROBOT.urdf DATA.csv [DRAWS [SHARE]]`.
 //!
-//! In the environment: `TIP` (link), `UNITS` (such as mm,deg). Last come the names that recur in fewer than eight of ten draws.
+//! Environment variables: `TIP` (link), `UNITS` (such as mm,deg). At the end: the names that recur in fewer than eight of ten draws.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -11,7 +11,7 @@ use denavit_calibrate::calibration::{CalibrateOptions, HoldOut, calibrate};
 use denavit_trace::TraceOptions;
 use std::collections::BTreeMap;
 
-/// Share of the draws in which a name must recur.
+/// Fraction of the draws in which a name must recur.
 const RECURS: f64 = 0.8;
 
 fn main() {

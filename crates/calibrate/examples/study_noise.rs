@@ -1,5 +1,5 @@
-//! What noise is estimated to be made of, beside what it was made of: how often the intervals of each source hold its true size, how often
-//! a source is claimed that is there, and how often one that is not.
+//! Estimated sources of noise compared with the simulated ones: how often the intervals of each source contain its true size, and how often
+//! sources that are present, and sources that are absent, are claimed.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_noise -- [RUNS [ROWS]]`
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
@@ -17,24 +17,24 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
 use std::collections::BTreeMap;
 
-/// What the noise is made of, m and rad.
+/// The simulated noise, m and rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
-    /// What the table calls it.
+    /// Name in the table.
     pub name: &'static str,
     /// What is measured.
     pub kind: ObservationKind,
-    /// In every component.
+    /// In every component of a position.
     pub position: f64,
-    /// Of orientations, in every component.
+    /// In every component of an orientation.
     pub orientation: f64,
     /// Along the line of sight.
     pub range: f64,
-    /// Across it.
+    /// Across the line of sight.
     pub angle: f64,
     /// Of each joint.
     pub repeatability: [f64; 6],
-    /// Degrees of freedom of Student's t that the noise of positions follows; `None`: normal.
+    /// Degrees of freedom of Student's t for the noise of positions; `None`: normal.
     pub tails: Option<f64>,
     /// From the point about which a probe's orientation errs to the target, in the target's axes, m.
     pub lever: [f64; 3],
@@ -75,7 +75,7 @@ pub fn worlds() -> Vec<World> {
             ..WHITE
         },
         World {
-            name: "poses of a probe that turns about a point 0.5 m off",
+            name: "poses of a probe that turns about a point 0.5 m away",
             kind: ObservationKind::Pose,
             lever: [0.3, 0.0, -0.4],
             ..WHITE
@@ -99,7 +99,7 @@ pub fn worlds() -> Vec<World> {
     ]
 }
 
-/// Rows of a robot that is off by its tolerances, measured in a world.
+/// Rows of a robot with errors of the size of its tolerances, measured in a world.
 pub fn file(chain: &Chain, world: &World, rows: usize, seed: u64) -> Measurements {
     let turns = world.lever != [0.0; 3];
     let options = SimulationOptions {
@@ -140,7 +140,7 @@ pub fn file(chain: &Chain, world: &World, rows: usize, seed: u64) -> Measurement
     data
 }
 
-/// The noise of a file as the geometric fit leaves it.
+/// The noise model of a file after the geometric fit.
 pub fn found(chain: &Chain, data: &Measurements) -> NoiseModel {
     let fit = identify(chain, data, &IdentifyOptions::axes(chain)).geometric;
     noise_model(&fit, data, &[]).unwrap()
@@ -167,17 +167,17 @@ pub fn truth(world: &World, component: &Component, chain: &Chain) -> (String, f6
 pub struct Tally {
     /// Its true size.
     pub truth: f64,
-    /// Files that it was tried in.
+    /// Files in which it was tried.
     pub files: usize,
     /// Files in which it was claimed.
     pub claimed: usize,
-    /// Files in which the interval, or the bound, holds the truth.
+    /// Files in which the interval, or the bound, contains the truth.
     pub inside: usize,
     /// Sum of the estimates.
     pub sum: f64,
 }
 
-/// Runs of one world, source by source; and the number of files that claim something that is not there, an order of the run, a lever.
+/// Runs of one world, source by source; and the numbers of files that claim an absent source, a correlation in run order, a lever.
 pub fn tallied(
     chain: &Chain,
     world: &World,
@@ -232,7 +232,7 @@ fn main() {
             );
         }
         println!(
-            "{}: {wrong} of {runs} files claim a source that is not there, {order} an order of the run, {lever} a lever; {:.2} s a file",
+            "{}: {wrong} of {runs} files claim an absent source, {order} a correlation in run order, {lever} a lever; {:.2} s a file",
             world.name,
             started.elapsed().as_secs_f64() / runs as f64
         );

@@ -1,7 +1,7 @@
 //! Parallel axes: the POE form and the D-H form fitted to the same poses, residual by iteration. Prints a table.
 //!
 //! The D-H form is the textbook's: base frame, a row per joint (proximal), tool frame, Levenberg-Marquardt from the
-//! nominal table with derivatives by central differences. Its redundant numbers are held by the damping.
+//! nominal table with derivatives by central differences. The damping fixes its redundant numbers.
 
 #![allow(clippy::print_stdout)] // A study prints its table.
 
@@ -13,7 +13,7 @@ use denavit_measurements::kinds::ObservationKind;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Coordinate, Pose, Quantity, Screw, examples, se3};
 
-/// UR5 by its published table.
+/// The UR5 from its published table.
 fn ur5() -> Option<Chain> {
     let axes = [
         ([0., 0., 1.], [0., 0., 0.]),
@@ -205,7 +205,7 @@ fn main() {
             ..Default::default()
         };
         let mut run = simulate(&chain, &options, &NoEffects);
-        // Both forms start from the same placing of instrument and target: the true one.
+        // Both forms start from the same poses of instrument and target: the true ones.
         let (instrument, target) = (run.arm.instruments[0], run.arm.targets[0]);
         for row in 0..run.data.len() {
             let measured = pose_read(&run.data, row);

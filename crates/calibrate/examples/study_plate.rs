@@ -1,4 +1,4 @@
-//! What a printed plate of holes brings: prints the table of docs/without-an-instrument.md. The arm of servos is read from `../shared`.
+//! Accuracy with a printed plate of holes: prints the table of docs/without-an-instrument.md. The servo arm is read from `../shared`.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table.
 
@@ -11,10 +11,10 @@ use denavit_model::Reading;
 use touched::Touching;
 
 const RUNS: u64 = 20;
-/// Placements on which no fit looks.
+/// Placements for the test only.
 const LATER: usize = 2;
 
-/// An arm as it is measured.
+/// An arm and how it is measured.
 struct Kind {
     name: &'static str,
     file: &'static str,
@@ -24,7 +24,7 @@ struct Kind {
     axes: [f64; 2],
     /// Error of a touch, m.
     noise: f64,
-    /// Whether zeros alone are fitted.
+    /// Whether only zeros are fitted.
     only_zeros: bool,
 }
 
@@ -64,7 +64,7 @@ fn main() {
     );
     for Kind { name, file, tip, zeros, axes, noise, only_zeros } in ARMS {
         let Ok(text) = std::fs::read_to_string(file) else {
-            println!("{name}: skipped, because {file} is not there");
+            println!("{name}: skipped, because {file} does not exist");
             continue;
         };
         let robot = denavit_model::urdf::read(file, &text).unwrap();

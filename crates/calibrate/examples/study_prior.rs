@@ -1,10 +1,10 @@
-//! Two days of one robot that gives under gravity and whose gears err: the second day's ten poses with the first day's calibration
-//! beside one fit of both days.
+//! Two days of one robot with joint compliance and gear errors: a few poses of the second day with the first day's calibration, compared
+//! with one fit of both days.
 //!
 //! `cargo run --release -p denavit-calibrate --example study_prior -- [RUNS]`
 //!
-//! UR5e as in `study_coverage`: 300 poses on the first day, instrument and target placed anew on the second; errors on 200 rows of the
-//! second day that no fit saw, the noise of these rows in it.
+//! UR5e as in `study_coverage`: 300 poses on the first day, instrument and target placed again on the second; errors on 200 test rows of
+//! the second day, including the noise of these rows.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 #[path = "study_coverage.rs"]
@@ -25,13 +25,13 @@ const FIRST: usize = 300;
 
 /// One run.
 pub struct Run {
-    /// On the second day, m, rms: its poses alone, with the axes of the first day, with all of it, one fit of both days.
+    /// Errors on the second day, m, rms: its poses alone, with the axes of the first day, with its whole model, one fit of both days.
     pub errors: [f64; 4],
-    /// Share of the axes' parameters whose 95 % interval holds the truth: the first day, the second after it, both in one fit.
+    /// Fraction of the axes' parameters whose 95 % interval contains the truth: the first day, the second after it, both in one fit.
     pub inside: [f64; 3],
 }
 
-/// The second day has this many poses.
+/// Simulates both days; `poses`: poses of the second day.
 pub fn run(poses: usize, seed: u64) -> Run {
     let (chain, statics) = ur5e();
     let first = readings(FIRST, seed);
@@ -73,7 +73,7 @@ pub fn run(poses: usize, seed: u64) -> Run {
         let stage = result.report.stages.iter().find(|stage| stage.name == name).unwrap();
         stage.test.as_ref().unwrap().of("position").unwrap().rms
     };
-    // The same robot in the frame that the fit reports in.
+    // The true robot in the frame of the fit's report.
     let told = |result: &Calibration| {
         let updated = result.carried.as_ref().map(|carried| &carried.updated);
         let fit = updated.or(result.beyond_geometry()).unwrap();
@@ -99,7 +99,7 @@ pub fn run(poses: usize, seed: u64) -> Run {
 fn main() {
     let runs: u64 = std::env::args().nth(1).map_or(50, |word| word.parse().unwrap());
     println!(
-        "| poses of the second day | they alone, mm rms | with the axes of the first | with its effects and curves | both days in one fit \
+        "| poses of the second day | alone, mm rms | with the axes of the first | with its effects and curves | both days in one fit \
          | axes inside 95 %: first day | second | both |"
     );
     println!("|---|---|---|---|---|---|---|---|");

@@ -1,10 +1,10 @@
-//! One robot's run told in several ways: whether the tracer names the same causes.
+//! Whether the tracer names the same causes if the same run is written in other ways.
 //! `cargo run --release -p denavit-calibrate --example study_retold -- FOLDER [PART OF A NAME]`, a folder of blind cases made by
 //! `tests/oracle/calibration/suite.py`.
 //!
-//! Each case is traced as it is; with its rows in another order; with a column that means nothing; in millimetres and degrees; with its
-//! training and its test rows exchanged; and, where a joint counts from the ground, with that coupling taken out of its readings beforehand.
-//! Prints the cases whose names differ, and a table.
+//! Each case is traced unchanged; with its rows in another order; with a meaningless column; in millimetres and degrees; with its training
+//! and test rows exchanged; and, if a joint's reading is measured from the ground, with this coupling removed from the readings. Prints the
+//! cases whose names differ, and a table.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 use denavit_calibrate::IdentifyOptions;
@@ -22,7 +22,7 @@ use std::path::Path;
 
 type Names = BTreeSet<(String, String)>;
 
-/// A robot of a case, and how its joints are named in the truth.
+/// A case's robot, and the names of its joints in the truth.
 struct Case {
     chain: Chain,
     statics: Statics,
@@ -44,7 +44,7 @@ impl Case {
         named.map(|finding| (finding.term.kind.name().to_string(), finding.place)).collect()
     }
 
-    /// The joint that counts from the ground, the one that it follows, and the way.
+    /// The joint whose reading is measured from the ground, and the joint that drives it.
     fn counts_from_ground(&self) -> Option<(String, String)> {
         let effects = self.truth["effects"].as_array()?;
         let whole = effects.iter().find(|effect| effect["shape"]["whole"] == true)?;
@@ -69,7 +69,7 @@ fn text(header: &[String], rows: &[Vec<String>]) -> String {
     String::from_utf8(writer.into_inner().unwrap()).unwrap()
 }
 
-/// A number column times a factor.
+/// Multiplies a number column by a factor.
 fn scaled(rows: &mut [Vec<String>], column: usize, factor: f64) {
     for row in rows {
         let value: f64 = row[column].parse().unwrap();
@@ -98,7 +98,7 @@ fn in_millimetres(case: &Case, told: &str) -> String {
     text(&header, &rows)
 }
 
-/// The same text with a column that means nothing.
+/// The same text with a meaningless column.
 fn with_a_column(told: &str, random: &mut ChaCha8Rng) -> String {
     let (mut header, mut rows) = cells(told);
     header.push("humidity".into());
@@ -108,7 +108,7 @@ fn with_a_column(told: &str, random: &mut ChaCha8Rng) -> String {
     text(&header, &rows)
 }
 
-/// The same text with `joint` counted from the joint before it, `times` its reading added.
+/// The same text with `joint` measured from the link before it: `times` the reading of `driven_by` added.
 fn corrected(told: &str, joint: &str, driven_by: &str, times: f64) -> String {
     let (header, mut rows) = cells(told);
     let place = |name: &str| header.iter().position(|other| other == name).unwrap();
@@ -154,16 +154,16 @@ fn main() {
         let told = write(&as_it_is, &[]);
         let mut ways = vec![
             ("rows in another order", as_it_is.subset(&order)),
-            ("a column that means nothing", case.rows(&with_a_column(&told, &mut random), units)),
+            ("a meaningless column", case.rows(&with_a_column(&told, &mut random), units)),
             ("mm and degrees", case.rows(&in_millimetres(&case, &told), "mm,deg".parse().unwrap())),
             ("training and test exchanged", case.rows(&test, units)),
         ];
         let truly = case.names(as_it_is);
-        // The coupling is named where the readings are as the controller gives them, and not where it was taken out.
+        // The coupling is named with the controller's readings, and not after it was removed.
         let mut apart = truly.clone();
         if let Some((joint, driven_by)) = case.counts_from_ground() {
             apart.retain(|(kind, place)| (kind.as_str(), place) != ("joint_coupling", &joint));
-            // Which way it goes is what leaves less.
+            // The sign with the smaller misfit is right.
             let misfit = |data: &Measurements| {
                 let options = IdentifyOptions::axes(&case.chain);
                 identify(&case.chain, data, &options).geometric.noise.first()
@@ -171,10 +171,10 @@ fn main() {
             let both = [1.0, -1.0].map(|times| case.rows(&corrected(&told, &joint, &driven_by, times), units));
             let [added, taken] = both;
             let data = if misfit(&added) < misfit(&taken) { added } else { taken };
-            ways.push(("coupling taken out", data));
+            ways.push(("coupling removed", data));
         }
         for (way, data) in ways {
-            let expected = if way == "coupling taken out" { &apart } else { &truly };
+            let expected = if way == "coupling removed" { &apart } else { &truly };
             let found = case.names(data);
             let (cases, same) = table.entry(way).or_default();
             *cases += 1;
@@ -185,7 +185,7 @@ fn main() {
             }
         }
     }
-    println!("| told otherwise | files | same names |\n|---|---:|---:|");
+    println!("| change | files | same names |\n|---|---:|---:|");
     for (way, (cases, same)) in table {
         println!("| {way} | {cases} | {same} |");
     }

@@ -1,9 +1,9 @@
-//! Are the noise level, the intervals and the held-out error right? Reads runs made by pinocchio from standard input
+//! Whether the noise level, the intervals and the held-out error are right. Reads runs made by pinocchio from standard input
 //! (`tests/oracle/calibration/runs.py study`) and prints the table of docs/calibration.md.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints its table, and stops at a bad line.
 
-#[allow(dead_code, reason = "the tests judge more than the study does")]
+#[allow(dead_code, reason = "the tests use more of it than the study")]
 #[path = "../tests/runs/mod.rs"]
 mod runs;
 
@@ -52,7 +52,7 @@ impl Tally {
         self.iterations.sort_unstable();
         let inside = self.inside / self.runs;
         let spread = ((self.inside_squared / self.runs - inside * inside).max(0.0) / self.runs).sqrt();
-        // Errors on new rows, their own noise included, in units of the noise.
+        // Errors on new rows, including their own noise, in units of the noise.
         let reached = (1.0 + self.unseen / self.runs).sqrt();
         println!(
             "| {} | {} | {:.2} ± {:.2} % | {:.4} | {:.4} | {:.4} | {}, {:.1} %, {} | {} of {} | {} |",

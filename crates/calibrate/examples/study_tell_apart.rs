@@ -1,10 +1,11 @@
-//! Whether twenty poses chosen to distinguish causes decide more than twenty D-optimal or random ones:
+//! Whether twenty poses chosen to distinguish causes find the right cause more often than twenty D-optimal or random ones:
 //! `cargo run --release -p denavit-calibrate --example study_tell_apart -- [CASES] [ROBOT.urdf ...]`, then
 //! `... -- real ROBOT.urdf DATA.csv [DRAWS]` with `TIP` and `UNITS` in the environment.
 //!
-//! Simulated: a robot off by its tolerances with one effect, measured at a poor set of postures (every joint in a third of
-//! its range, or all of it and the effect weak) such that the cause is not named; then poses from the whole range are added. Real: a hundred rows drawn at random,
-//! the others are candidates, what is left of them judges. With `time` for a word: the paragraph of the report beside the calibration.
+//! Simulated: a robot with errors of the size of its tolerances and one effect, measured at a poor set of postures (every joint in a third
+//! of its range, or in all of it with a weak effect) so that the cause is not named; then poses from the whole range are added. Real: a
+//! hundred rows drawn at random; the others are candidates and test rows. `time`: time of the report's paragraph compared with that of the
+//! calibration.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;
@@ -25,18 +26,18 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
 
-/// How a run came to leave something open.
+/// Why a run has more than one possible cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct World {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// Share of each joint's range that its postures hold.
+    /// Fraction of each joint's range that the postures cover.
     pub share: f64,
-    /// Least and most that the effect moves the measured values by over the whole range, mm.
+    /// Smallest and largest displacement of the measured values by the effect over the whole range, mm.
     pub strength: (f64, f64),
 }
 
-/// Postures in a part of the range; and an effect that is weak beside a noise of 0.05 mm.
+/// Postures in a part of the range; and an effect that is weak relative to a noise of 0.05 mm.
 pub const WORLDS: [World; 2] = [
     World { name: "narrow postures", share: 0.35, strength: (0.06, 0.16) },
     World { name: "weak effects", share: 1.0, strength: (0.015, 0.05) },
@@ -45,26 +46,26 @@ pub const WORLDS: [World; 2] = [
 /// Rows of the run, poses added.
 const ROWS: usize = 60;
 const ADDED: usize = 20;
-/// Rows that judge.
+/// Test rows.
 const JUDGES: usize = 300;
 
-/// Kinds that poses can tell, each at a joint drawn.
+/// Kinds of effects that poses can distinguish, each at a random joint.
 const KINDS: [&str; 5] = ["joint_compliance", "transmission_error", "backlash", "joint_scale", "axis_wobble"];
 
-/// How one way to add poses ended.
+/// Result with one set of poses.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Ended {
-    /// The right cause is named.
+    /// Whether the right cause is named.
     pub right: bool,
-    /// Another cause is.
+    /// Whether another cause is named.
     pub wrong: bool,
-    /// Error on the rows that judge, m.
+    /// Error on the test rows, m.
     pub error: f64,
-    /// Logarithm of the odds of the right cause against all sets without it.
+    /// Log odds of the right cause against all sets without it.
     pub log_odds: f64,
 }
 
-/// A case with more than one possible cause, and how three ways to add poses end.
+/// A case with more than one possible cause, and the results of three ways to add poses.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The effect.
@@ -73,9 +74,9 @@ pub struct Case {
     pub before: Ended,
     /// The poses chosen.
     pub planned: TellApart,
-    /// Told apart, D-optimal, at random.
+    /// With poses chosen to distinguish causes, D-optimal, random.
     pub after: [Ended; 3],
-    /// Expected logarithm of the odds of the right cause against the hardest other, if it is in the list.
+    /// Expected log odds of the right cause against its closest rival, if it is in the list.
     pub expected: Option<f64>,
 }
 
@@ -107,7 +108,7 @@ fn ended(found: &Calibration, kind: &str, place: &str, judges: &Measurements) ->
     }
 }
 
-/// One case; none where the effect cannot be simulated, or where there is one possible cause.
+/// One case; `None` if the effect cannot be simulated, or if there is only one possible cause.
 pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option<Case> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let kind = KINDS[usize::try_from(seed).unwrap() % KINDS.len()];
@@ -138,7 +139,7 @@ pub fn case(chain: &Chain, statics: &Statics, world: World, seed: u64) -> Option
     };
     let bare = simulate(chain, &simulated, &denavit_identify::parameters::NoEffects);
     let judges = readings(chain, JUDGES, seed ^ 0xbeef);
-    // As strong as it is over the whole range.
+    // The strength is that over the whole range.
     let wide = SimulationOptions { readings: Some(judges.clone()), rows: JUDGES, ..simulated.clone() };
     let wide = Simulation {
         data: simulate_arm(&bare.arm, &wide, &denavit_identify::parameters::NoEffects).data,
@@ -195,7 +196,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 
 fn simulated(world: World, robots: &[String], wanted: usize) {
     println!("{}", world.name);
-    let names = ["before", "told apart", "D-optimal", "at random"];
+    let names = ["before", "chosen", "D-optimal", "at random"];
     let mut all: Vec<Case> = Vec::new();
     for path in robots {
         let robot = Real::robot(path);
@@ -222,7 +223,7 @@ fn simulated(world: World, robots: &[String], wanted: usize) {
                 cases.push(case);
             }
         }
-        println!("{path}: {} cases of {tried} drawn left something open", cases.len());
+        println!("{path}: {} of {tried} drawn cases have more than one possible cause", cases.len());
         table(&names, &cases);
         all.extend(cases);
     }
@@ -232,7 +233,7 @@ fn simulated(world: World, robots: &[String], wanted: usize) {
 
 fn table(names: &[&str; 4], cases: &[Case]) {
     println!(
-        "| poses | right cause named | a wrong one named | median error, mm | root mean square, mm | unsure as expected, mm |"
+        "| poses | right cause named | a wrong one named | median error, mm | root mean square, mm | expected uncertainty, mm |"
     );
     println!("|---|---|---|---|---|---|");
     for (index, name) in names.iter().enumerate() {
@@ -259,7 +260,7 @@ fn table(names: &[&str; 4], cases: &[Case]) {
     );
 }
 
-/// A hundred random rows, forty of the others added.
+/// A hundred random rows, then forty of the others added.
 fn real_rows(path: &str, file: &str, draws: u64) {
     let robot = Real::robot(path);
     let (chain, statics) = (&robot.chain, &robot.statics);
@@ -299,23 +300,26 @@ fn real_rows(path: &str, file: &str, draws: u64) {
             };
             let named: Vec<String> = found.report.effects.iter().map(name).collect();
             let open: Vec<String> = found.report.one_of.iter().map(name).collect();
-            format!("{:.4} mm, named {named:?}, open {open:?}", later.errors.of("position").unwrap().rms * 1e3)
+            format!(
+                "{:.4} mm, named {named:?}, one of several {open:?}",
+                later.errors.of("position").unwrap().rms * 1e3
+            )
         };
         println!("draw {seed}: 100 rows {}", told(&found));
         println!(
-            "  unsure {:.3} -> {:.3} mm, {} of {} to separate",
+            "  uncertainty {:.3} -> {:.3} mm, {} of {} poses to distinguish causes",
             planned.prospect.unsure.now * 1e3,
             planned.prospect.unsure.expected * 1e3,
             planned.prospect.for_separation,
             planned.poses.len()
         );
-        for (name, chosen) in [("told apart", chosen), ("D-optimal", optimal), ("at random", offered[..40].to_vec())] {
+        for (name, chosen) in [("chosen", chosen), ("D-optimal", optimal), ("at random", offered[..40].to_vec())] {
             println!("  {name}: {}", told(&calibrate(chain, statics, rows(&chosen), None, &asked).unwrap()));
         }
     }
 }
 
-/// How long the report's paragraph takes, beside a traced calibration of 400 positions.
+/// Prints the time of the report's paragraph, and that of a traced calibration of 400 positions.
 fn time() {
     let robot = Real::robot(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/universal_robots/ur5e.urdf"));
     let (chain, statics) = (&robot.chain, &robot.statics);
@@ -335,8 +339,8 @@ fn time() {
         let possible = planned.prospect.possible.len();
         let written = found.report.prospect.is_some();
         println!(
-            "{possible} possible: {own:.3} s beside {whole:.3} s of a calibration that {} it",
-            if written { "holds" } else { "lacks" }
+            "{possible} possible: {own:.3} s; calibration {whole:.3} s, its report {} the paragraph",
+            if written { "has" } else { "lacks" }
         );
     }
 }

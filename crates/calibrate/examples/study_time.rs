@@ -1,5 +1,5 @@
-//! Time of a fit to full poses of a UR5e: `study_time [ROWS] [FILE]`, 10 000 rows unless told. Prints one line for reading
-//! the text and one for each of three fits; writes the text to FILE, where one is named, for the command line to read.
+//! Time of a fit to full poses of a UR5e: `study_time [ROWS] [FILE]`, 10 000 rows by default. Prints one line for reading
+//! the text and one for each of three fits; writes the text to FILE, if given, for the command line to read.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // A study prints its figures, and stops at the first error.
 

@@ -1,7 +1,7 @@
-//! Judges the tracer on a folder of blind cases made by `tests/oracle/calibration/suite.py`:
+//! Tests the tracer on a folder of blind cases made by `tests/oracle/calibration/suite.py`:
 //! `cargo run --release -p denavit-calibrate --example study_tracing -- FOLDER [PART OF A NAME]`.
 //!
-//! For each case that is not right: what was hidden and what was found. At the end the table of `docs/effects.md`.
+//! Prints the true and the found effects of each case that is not right. At the end: the table of `docs/effects.md`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in sorted lists")]
 #![allow(clippy::too_many_lines, reason = "a study runs from top to bottom")]
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-/// Orders this near are one: a period over the joint's range is about one order.
+/// Orders this close count as equal: a period over the joint's range is about one order.
 const SAME_ORDER: f64 = 0.6;
 
 fn load(path: &Path, chain: &Chain) -> Measurements {
@@ -44,7 +44,7 @@ struct Tally {
     right: usize,
     among_rivals: usize,
     false_claims: usize,
-    /// Of these the ones that are named, not kept as a correction.
+    /// Those of them that are named, not kept as a correction.
     falsely_named: usize,
     ratios: Vec<f64>,
     errors: [f64; 4],
@@ -145,7 +145,7 @@ fn main() {
             }
         };
         let matches = |kind: &str, place: &str| truths.iter().any(|(k, p)| k == kind && p[0] == place);
-        // A harmonic of the ground that another effect stands on is there, though nobody asks for it.
+        // A harmonic of the background is present, but not among the effects to find.
         let of_ground = |finding: &Finding| {
             let Driver::Harmonic { order, .. } = finding.term.driver else { return false };
             let here = |wave: &serde_json::Value| {

@@ -1,6 +1,6 @@
 //! Traces one file of measurements: `cargo run --release --example trace_real -- ROBOT.urdf TRAIN.csv [TEST.csv|SHARE]`.
 //!
-//! In the environment: `TIP` (link), `UNITS` (such as mm,deg), `EFFECTS` (auto, curves, none), `SEED` of the share.
+//! Environment variables: `TIP` (link), `UNITS` (such as mm,deg), `EFFECTS` (auto, curves, none), `SEED` of the split.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // A study prints, and stops at the first error.
 
 mod real;

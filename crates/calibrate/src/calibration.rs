@@ -83,13 +83,13 @@ pub struct CalibrateOptions {
     pub hold_out: Option<HoldOut>,
     /// Search for effects; `None`: geometry alone.
     pub trace: Option<TraceOptions>,
-    /// Fit error curves of the joints, where no effects are searched for.
+    /// Fit error curves of the joints if there is no search for effects.
     pub curves: Option<CurveOptions>,
-    /// Predict by everything that may act, averaged, unless the last stage predicts postures that are left out of the fitted ones better.
+    /// Predict with the average over all possible models, unless the last stage predicts left-out postures better.
     pub average: bool,
-    /// Say what the noise is made of.
+    /// Estimate the components of the noise.
     pub noise: bool,
-    /// Other chains of the same robot that the data may belong to; tried where this one cannot explain them.
+    /// Other chains of the same robot that the data may belong to; tried if this one cannot explain them.
     pub other_chains: Vec<Chain>,
 }
 
@@ -114,8 +114,8 @@ impl CalibrateOptions {
 pub enum CalibrateError {
     /// Not enough to place the instrument.
     #[error(
-        "{file}: {} {values} measured numbers{}, but placing the instrument and the targets takes {needed} \
-         and a few to check them; measure more poses",
+        "{file}: {} {values} measured numbers{}, but {needed} are needed to place the instrument and the targets, \
+         and a few more as a check; measure more poses",
         if *rows == 1 { "1 row holds".to_owned() } else { format!("{rows} rows hold") },
         in_postures(*rows, *postures)
     )]
@@ -131,7 +131,7 @@ pub enum CalibrateError {
         /// Numbers to find before any geometry.
         needed: usize,
     },
-    /// The data do not belong to this robot, or not as they are written.
+    /// The data do not belong to this robot, or not as written.
     #[error(transparent)]
     Diagnosis(#[from] Diagnosis),
     /// A robot larger than anything that is measured.
@@ -147,42 +147,42 @@ pub enum CalibrateError {
         file: String,
         /// Steps taken.
         iterations: usize,
-        /// What is left to gain, and of which parameters.
+        /// The remaining gain, and the parameters that still change.
         unfinished: Option<Unfinished>,
     },
     /// A share that holds out nothing or everything.
     #[error(
-        "‹hold-out› {0}: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their own"
+        "‹hold-out› {0}: give the share of rows to keep for the test, between 0 and 1; both parts need postures of their own"
     )]
     HoldOutShare(f64),
     /// A total mass for a robot whose masses are known.
-    #[error("‹mass›: the description has masses, and they are used; leave ‹mass› out")]
+    #[error("‹mass›: the description already has masses; leave ‹mass› out")]
     MassesKnown,
     /// The test file does not fit the fit.
     #[error(transparent)]
     Test(#[from] TestError),
-    /// Gravity is known on other ways than those to the tips of the rows.
+    /// The masses are known on other paths than those to the tips of the rows.
     #[error(
-        "{0}: effects and error curves are looked for on the ways to all tips of the rows, and what gravity acts on was given \
-         for others; see `Statics::placed_tips`"
+        "{0}: the search for effects and error curves needs the masses on the paths to all tips of the rows, but they were given \
+         for other paths; see `Statics::placed_tips`"
     )]
     StaticsOfOtherTips(String),
-    /// A tip that nothing is known of.
-    #[error("{file}: no row is of tip \"{tip}\"; measure some, or name the other tips alone")]
+    /// A tip without rows.
+    #[error("{file}: no row is of tip \"{tip}\"; measure some, or name only the other tips")]
     NoRowsOfTip {
         /// The file.
         file: String,
         /// The tip.
         tip: String,
     },
-    /// Whoever was told what it is at said to stop.
-    #[error("stopped before it was done")]
+    /// The progress callback stopped it.
+    #[error("stopped before the end")]
     Stopped,
 }
 
 /// Which parameters still change, and what to do.
 fn why_unfinished(unfinished: Option<&Unfinished>, file: &str) -> String {
-    let say = format!("`denavit identify ‹data› {file}` says what the rows determine");
+    let say = format!("`denavit identify ‹data› {file}` prints what the rows determine");
     match unfinished {
         Some(Unfinished { promise, parameters }) if promise.is_finite() && !parameters.is_empty() => format!(
             "{} still {} (the next step is expected to lower chi-squared by {promise:.0}); the rows hardly determine {}: add poses \
@@ -200,7 +200,7 @@ fn why_unfinished(unfinished: Option<&Unfinished>, file: &str) -> String {
 fn in_postures(rows: usize, postures: usize) -> String {
     match (rows, postures) {
         (rows, postures) if rows == postures => String::new(),
-        (_, 1) => " in one posture, measured again and again".into(),
+        (_, 1) => " in one posture, measured repeatedly".into(),
         (_, postures) => format!(" in {postures} different postures"),
     }
 }
@@ -211,19 +211,19 @@ fn in_postures(rows: usize, postures: usize) -> String {
 pub struct Calibration {
     /// The contract.
     pub report: CalibrationReport,
-    /// What the rows say of the parameters in the report, no prior in it; `None` where no axis was identified.
+    /// Posterior of the parameters in the report from the rows alone, without the prior; `None` if no axis was identified.
     pub information: Option<Information>,
     /// Nominal and geometric fit.
     pub identification: Identification,
-    /// The last stage that names causes or has error curves.
+    /// The last stage with named causes or error curves.
     pub beyond: Option<Box<Fit<EffectModel>>>,
-    /// The recommended prediction, averaged over everything that may act; `Err` says why there is none.
+    /// The recommended prediction, averaged over the possible models; `Err` says why there is none.
     pub averaging: Result<Box<Averaging>, NotAveraged>,
-    /// What the tracer found, if it was asked.
+    /// The result of the tracer, if requested.
     pub trace: Option<Trace>,
-    /// Error curves of the joints, if they were asked for.
+    /// Error curves of the joints, if requested.
     pub curves: Option<CurveFit>,
-    /// The effects and curves of an earlier calibration on these rows, if it knows some.
+    /// The effects and curves of an earlier calibration on these rows, if it has some.
     pub carried: Option<Carried>,
     /// Counts, and what is unidentifiable.
     pub identifiability: Identifiability,
@@ -256,14 +256,14 @@ impl Calibration {
         self.beyond.as_deref()
     }
 
-    /// The effects and error curves at the stage that was adopted; none where none was looked for.
+    /// The effects and error curves at the adopted stage; none if there was no search for them.
     pub fn effects(&self, statics: &Statics) -> EffectModel {
         let none = || EffectModel::new(statics.clone(), Vec::new());
         self.beyond_geometry().map_or_else(none, |fit| fit.effects.clone())
     }
 }
 
-/// What a calibration is at.
+/// The present phase of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// Instrument, targets, axes.
@@ -272,7 +272,7 @@ pub enum Progress {
     Effects,
     /// Error curves of the joints.
     Curves,
-    /// Errors of every stage, what the data can tell.
+    /// Errors of every stage, and identifiability.
     Judgement,
 }
 
@@ -290,7 +290,7 @@ pub fn calibrate(
     calibrate_and_tell(chain, statics, data, test, options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// As [`calibrate`], and tells what it starts with, which is when it can be stopped.
+/// As [`calibrate`], and reports the start of each phase, where it can be stopped.
 ///
 /// # Errors
 /// As [`calibrate`]; [`CalibrateError::Stopped`].
@@ -313,7 +313,7 @@ pub fn calibrate_and_tell(
     if let Some(zeros) =
         corrected.as_ref().and_then(|corrected| free_zeros(chain, corrected, &options.identify.freedom))
     {
-        // A zero that is looked for is no mistake: the fit starts from there.
+        // A zero that is fitted is not a mistake: the fit starts from there.
         let started = IdentifyOptions { start_zeros: zeros, ..options.identify.clone() };
         identification = identify(chain, &train, &started);
         corrected = None;
@@ -392,7 +392,7 @@ pub fn calibrate_and_tell(
     };
     let plain = &identification.geometric;
     let (adopted, information, (parameters, posterior, differs)) = match &averaging {
-        // The calibrated robot has the geometry of the geometric fit; what the next calibration continues from are the named causes.
+        // The calibrated robot has the geometry of the geometric fit; the next calibration continues from the named causes.
         Ok(_) => (Adopted::Averaged, Information::of(plain), of_geometric_stage(plain, parameters, posterior)),
         Err(_) => (named, information, (parameters, posterior, differs)),
     };
@@ -473,7 +473,7 @@ pub fn calibrate_and_tell(
     Ok(result)
 }
 
-/// What the mistakes add to each coordinate's reading, if they are all zeros that are free.
+/// The offsets of each coordinate's reading by the mistakes, if these are all zeros that are free.
 fn free_zeros(chain: &Chain, corrected: &Corrected, freedom: &Freedom) -> Option<Vec<f64>> {
     let each = corrected.mistakes.iter().map(|mistake| mistake.zeros(chain)).collect::<Option<Vec<_>>>()?;
     let sum = |k: usize| each.iter().map(|zeros| zeros[k]).sum::<f64>();
@@ -482,7 +482,7 @@ fn free_zeros(chain: &Chain, corrected: &Corrected, freedom: &Freedom) -> Option
     (0..zeros.len()).all(|k| zeros[k] == 0.0 || free(k)).then_some(zeros)
 }
 
-/// What effects and curves are looked for in, and what is known already.
+/// The inputs of the search for effects and curves, and prior knowledge.
 struct Searched<'a> {
     statics: &'a Statics,
     data: &'a Measurements,
@@ -493,7 +493,7 @@ struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    /// Effects, or curves alone, as they are wanted and the rows are `enough`; beside those of an earlier calibration.
+    /// Effects, or curves alone, as requested and if the rows are `enough`; in addition to those of an earlier calibration.
     fn run(
         &self,
         options: &CalibrateOptions,
@@ -520,7 +520,7 @@ impl Searched<'_> {
     }
 }
 
-/// Everything that may act, averaged, where that predicts postures that are left out better than the last stage before does.
+/// The average over the possible models, if it predicts left-out postures better than the last stage before.
 fn averaging(
     statics: &Statics,
     train: &Measurements,
@@ -535,7 +535,7 @@ fn averaging(
     averaged(statics, train, identification, options, (&causes, named))
 }
 
-/// Curves with what was expected of their waves.
+/// Curves with the priors of their waves.
 fn held_curves(curves: &[Curve]) -> Vec<HeldCurve<'_>> {
     let held = |curve| {
         let variances = Kernel::of(curve).variances(&curve.waves).into_iter().map(|(variance, _)| variance).collect();
@@ -544,14 +544,14 @@ fn held_curves(curves: &[Curve]) -> Vec<HeldCurve<'_>> {
     curves.iter().map(held).collect()
 }
 
-/// The parts of the report that are of the whole result.
+/// The parts of the report that concern the whole result.
 fn describe(result: &mut Calibration, statics: &Statics) {
     result.report.placements = Some(rows::placements(result));
     result.report.rows = Rows::of(result);
     result.report.prospect = result.prospect(statics);
 }
 
-/// What the noise of the adopted fit is made of, which may hold error curves.
+/// The components of the noise of the adopted fit, which may have error curves.
 fn noise_of(reached: Option<&Beyond<'_>>, geometry: &Fit<NoEffects>, train: &Measurements) -> Option<NoiseModel> {
     let Some(Beyond { fit, own_curves, .. }) = reached else { return noise_model(geometry, train, &[]) };
     noise_model(fit.as_ref(), train, &held_curves(&fit.effects.curves[..*own_curves]))
@@ -571,7 +571,7 @@ fn rows_of(
     statics: &Statics,
     options: &CalibrateOptions,
 ) -> Result<(Measurements, Option<Measurements>), CalibrateError> {
-    // Nothing but effects and error curves follows the order, and a million rows are large enough without it.
+    // Only effects and error curves follow the order, and a million rows are large enough without it.
     let in_order = options.trace.is_some() || options.curves.is_some();
     let data = if in_order { with_run_order(data) } else { data };
     let (train, test) = match (test, options.hold_out) {
@@ -590,7 +590,7 @@ fn rows_of(
     Ok((train, test))
 }
 
-/// What no effect explains, as the report says it.
+/// Unexplained structure, as an entry of the report.
 fn unexplained(found: Option<&Trace>) -> Unexplained {
     let none = || Unexplained { structured: false, p_value: 1.0, places: Vec::new() };
     found.map_or_else(none, |found| Unexplained {
@@ -600,7 +600,7 @@ fn unexplained(found: Option<&Trace>) -> Unexplained {
     })
 }
 
-/// What no row tells, as the report says it.
+/// Unidentifiable parameters, as entries of the report.
 fn unidentifiable(identifiable: &Identifiability, parameters: &[Identified]) -> Vec<Unidentifiable> {
     let entry = |unidentifiable: &UnidentifiableParameter| Unidentifiable {
         parameter: unidentifiable.parameter.clone(),
@@ -611,7 +611,7 @@ fn unidentifiable(identifiable: &Identifiability, parameters: &[Identified]) -> 
     identifiable.unidentifiable.iter().map(entry).collect()
 }
 
-/// The joints' parameters of a fit with their intervals, how they hang together, and those that are far from the drawing.
+/// The joints' parameters of a fit with their intervals, their covariance, and those that are far from the drawing.
 fn identified<E>(fit: &Fit<E>) -> (Vec<Identified>, Option<Posterior>, Vec<DrawingDifference>) {
     let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = fit.arm.nominal.joints();
@@ -651,7 +651,7 @@ fn of_geometric_stage(
     (own, posterior, differs)
 }
 
-/// What a parameter that the data cannot tell is held by.
+/// What holds a parameter that the data cannot identify.
 fn held(parameters: &[Identified], name: &str) -> HeldBy {
     match parameters.iter().find(|parameter| parameter.parameter == name) {
         None => HeldBy::Nominal,
@@ -659,13 +659,13 @@ fn held(parameters: &[Identified], name: &str) -> HeldBy {
     }
 }
 
-/// Whether a column's name says what it is: what effects follow first.
+/// Whether a column's name states its meaning; columns that effects follow come first.
 fn has_a_meaning(data: &Measurements, name: &str) -> bool {
     let of_joint = name.rsplit_once('.').is_some_and(|(joint, _)| data.joints.iter().any(|known| known == joint));
     ["time", "temperature", "payload"].contains(&name) || of_joint
 }
 
-/// Every wanted column of the fitted rows that varies is there in the rows that judge.
+/// Every wanted column of the fitted rows that varies must be in the held-out rows.
 fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str) -> bool) -> Result<(), TestError> {
     let varies = |values: &[f64]| values.iter().any(|value| *value != values[0]);
     let missing = train
@@ -682,7 +682,7 @@ fn recorded_too(train: &Measurements, test: &Measurements, wanted: impl Fn(&str)
     }
 }
 
-/// Lines of held-out rows that are off by far more than the others.
+/// Lines of held-out rows with gross errors.
 fn far_off(data: &Measurements, residuals: &[Residual]) -> Vec<usize> {
     let squares: Vec<(usize, [f64; 2])> =
         residuals.iter().map(|r| (r.series, [r.place.norm_squared(), r.turn.norm_squared()])).collect();
@@ -733,11 +733,11 @@ fn enough(data: &Measurements) -> Result<(), CalibrateError> {
     Ok(())
 }
 
-/// Both files without rows that say nothing of their own, and the lines of those.
+/// Both files without redundant rows, and the lines of the latter.
 struct Fresh {
     data: Measurements,
     test: Option<Measurements>,
-    /// Whose reading came late.
+    /// Rows with a late reading.
     stale: Vec<usize>,
     /// Exact copies of other rows.
     copies: Vec<usize>,
@@ -748,7 +748,7 @@ struct Fresh {
 /// Leaves out exact copies and rows whose reading came late.
 ///
 /// # Errors
-/// The test holds nothing but fitted rows.
+/// The test has only fitted rows.
 fn fresh(data: Measurements, test: Option<Measurements>) -> Result<Fresh, TestError> {
     let without =
         |data: Measurements, copies: &[usize]| if copies.is_empty() { data } else { data.leaving_out(copies) };
@@ -789,10 +789,10 @@ fn repeats_the_row_before(data: &Measurements, row: usize) -> bool {
 /// The rows without those that repeat the measured values of the row before, digit for digit, although a joint moved: the
 /// instrument's reading is then that of the posture before. Also the lines of those rows.
 ///
-/// One number alone may repeat by chance: rows of three and more are looked at.
+/// A single number may repeat by chance: only rows of three and more are examined.
 fn without_stale_rows(data: Measurements) -> (Measurements, Vec<usize>) {
     let (stale, kept): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|&row| repeats_the_row_before(&data, row));
-    // Where many repeat, that is how the file is written, and not a reading that came late.
+    // If many rows repeat, that is the way the file is written, not a late reading.
     if stale.is_empty() || 20 * stale.len() > data.len() {
         return (data, Vec::new());
     }

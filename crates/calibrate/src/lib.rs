@@ -3,15 +3,15 @@
 //! ```text
 //! denavit-measurements   measurements.csv ─► Measurements
 //! denavit-identify       what an arm predicts of them; residuals, closed-form Jacobian, normal equations ─► fit; effects
-//! denavit-trace          which effects act
+//! denavit-trace          effects that act
 //! apply                  compensate, plan, tables for controllers
 //! calibration            stages on training rows, errors on rows that no stage saw ─► one result
 //! report                 that result as text, pages, plots
 //! ```
-//! Each knows those above it. Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
+//! Each layer uses those above it. Lengths are m, angles rad, twists angular first. The crate opens no files and prints nothing.
 //!
-//! The root names the everyday path: [`read`] measurements, [`calibrate`], [`report()`] the result. The modules behind it are for denavit's
-//! other crates and the studies, and change without notice. [`CalibrationReport::to_json`] writes everything that a report holds.
+//! The root has what most programs need: [`read`] measurements, [`calibrate`], [`report()`] the result. The other modules are for denavit's
+//! other crates and the studies, and change without notice. [`CalibrationReport::to_json`] writes the whole report.
 
 #[doc(hidden)]
 pub mod apply;

@@ -34,17 +34,17 @@ fn headers() {
     check("joint_1,joint_2,x,y,z\n", "m.csv: there are no rows below the header; each row is one pose of the robot");
     check(
         "joint_1;joint_3;x;y;z\n1;2;3;4;5\n",
-        "m.csv:1: joint \"joint_2\" has no column; did you mean it by column \"joint_3\"? Rename that column",
+        "m.csv:1: joint \"joint_2\" has no column; did you mean column \"joint_3\"? Rename that column",
     );
     check(
         "# c\njoint_1,jiont_2,x,y,z\n1,2,3,4,5\n",
-        "m.csv:2: joint \"joint_2\" has no column; did you mean it by column \"jiont_2\"? Rename that column",
+        "m.csv:2: joint \"joint_2\" has no column; did you mean column \"jiont_2\"? Rename that column",
     );
     check(
         "joint_1,x,y,z\n1,2,3,4\n",
         "m.csv:1: joint \"joint_2\" has no column; the file needs one column for each of joint_1, joint_2",
     );
-    check("joint_1,joint_1,joint_2,x,y,z\n", "m.csv:1: column \"joint_1\" is there twice; give each its own name");
+    check("joint_1,joint_1,joint_2,x,y,z\n", "m.csv:1: column \"joint_1\" appears twice; give each its own name");
     check("joint_1,joint_2,x,y,z,\n", "m.csv:1: column 6 has no name; name it or remove it");
     check("joint_1,joint_2,x,y\n", "m.csv:1: column \"z\" is missing beside \"x\"; x, y, z belong together");
     check(
@@ -72,8 +72,8 @@ fn columns_that_are_nearly_known_are_not_lost() {
         check(
             &format!("joint_1,joint_2,x,y,z,{column}\n0,0,1,0,0,1\n"),
             &format!(
-                "m.csv:1: column \"{column}\" is nearly \"{known}\"; write \"{known}\" if it is that, else give it a name of \
-                 its own, such as \"my_{known}\""
+                "m.csv:1: column \"{column}\" is nearly \"{known}\"; write \"{known}\" if that is meant, otherwise another \
+                 name, such as \"my_{known}\""
             ),
         );
     };
@@ -82,7 +82,7 @@ fn columns_that_are_nearly_known_are_not_lost() {
     // Capitals and units are read, and said.
     let taken = |column: &str, known: &str| {
         let found = notes(&format!("joint_1,joint_2,x,y,z,{column}\n0,0,1,0,0,1\n0.1,0.2,1,0.1,0,1\n"));
-        let said = format!("\"{column}\" taken for {known}");
+        let said = format!("\"{column}\" read as {known}");
         assert!(found.iter().any(|note| note.to_string() == said), "{found:?}");
     };
     taken("Temperature", "temperature");
@@ -151,7 +151,7 @@ fn rows_that_judge_must_be_others_and_as_complete() {
     let error = calibrate(&chain, &Statics::of_chain(&chain), rows(1, &["temperature"]), Some(rows(2, &[])), &options);
     assert_eq!(
         error.unwrap_err().to_string(),
-        "simulation: column \"temperature\" of simulation is missing here, and effects may follow it; add it, or remove it \
+        "simulation: column \"temperature\" of simulation is missing here, but effects may depend on it; add it, or remove it \
          from both files"
     );
 }
@@ -168,10 +168,7 @@ fn held_out_rows_that_are_far_off_are_flagged() {
     let result = calibrate(&chain, &Statics::of_chain(&chain), run.data, Some(test), &options).unwrap();
     assert_eq!(result.report.samples.test_outliers, [line]);
     let said = denavit_calibrate::report::text::report(&result);
-    assert!(
-        said.contains(&format!("held-out rows that are far off, and counted all the same, lines: {line}")),
-        "{said}"
-    );
+    assert!(said.contains(&format!("held-out rows with gross errors, counted nevertheless, lines: {line}")), "{said}");
 }
 
 #[test]
@@ -239,7 +236,7 @@ fn cells() {
     );
     check(
         "joint_1,joint_2,x,y,z,joint_1.approach\n0,0,1,0,0,1\n0,0,1,0,0,2\n",
-        "m.csv:3: column \"joint_1.approach\": 2 is no side; write 1 or -1, and 0 where it is not known",
+        "m.csv:3: column \"joint_1.approach\": 2 is not a side; write 1 or -1, or 0 where it is unknown",
     );
     check(
         "joint_1,joint_2,x,y,z,locate\n0,0,1,0,0,yes\n",
@@ -285,13 +282,13 @@ fn what_is_no_failure_is_noted() {
         texts,
         [
             "target 2 repeats target 1 in every row; it is counted once",
-            "target 3 is seen in no row; it is left out",
-            "joint \"joint_2\" stands at 0.5 in every row; the data cannot separate its axis from its neighbours'",
+            "no row sees target 3; it is left out",
+            "joint \"joint_2\" is at 0.5 in every row; the data cannot separate its axis from its neighbours'",
         ]
     );
     assert_eq!(
         notes("joint_1,joint_2,x,y,z\n0,0,1,0,0\n3.2,1,0,1,0\n")[0].to_string(),
-        "joint \"joint_1\" is outside of its limits in 1 rows"
+        "joint \"joint_1\" is outside its limits in 1 rows"
     );
 }
 
@@ -332,8 +329,8 @@ fn data_that_cannot_be_fitted() {
         |kind, rows| simulate(&planar_arm(), &SimulationOptions { kind, rows, ..Default::default() }, &NoEffects).data;
     assert_eq!(
         calibration_error(of(ObservationKind::Position, 3), None, None),
-        "simulation: 3 rows hold 9 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
-         them; measure more poses"
+        "simulation: 3 rows hold 9 measured numbers, but 9 are needed to place the instrument and the targets, and a few more \
+         as a check; measure more poses"
     );
     let mut mixed = of(ObservationKind::Position, 60);
     let observed = mixed.observed.subset((0..60).map(|row| (row + 7) % 60), Some);
@@ -346,7 +343,7 @@ fn data_that_cannot_be_fitted() {
     assert!(text.ends_with("are all units right (‹units›)?"), "{text}");
     assert_eq!(
         calibration_error(of(ObservationKind::Position, 40), Some(of(ObservationKind::Pose, 5)), None),
-        "simulation: it measures poses, but the model was fitted to positions; test with the same kind of value"
+        "simulation: it holds poses, but the model was fitted to positions; test with the same kind of value"
     );
     let mut other = of(ObservationKind::Position, 5);
     other.scene.targets = vec!["7".into()];
@@ -357,7 +354,6 @@ fn data_that_cannot_be_fitted() {
     );
     assert_eq!(
         calibration_error(of(ObservationKind::Position, 40), None, Some(1.5)),
-        "‹hold-out› 1.5: it is the share of rows to keep for the test, between 0 and 1, and both parts need rows of postures of their \
-         own"
+        "‹hold-out› 1.5: give the share of rows to keep for the test, between 0 and 1; both parts need postures of their own"
     );
 }

@@ -191,11 +191,11 @@ fn every_mistake_in_a_file_of_pixels_is_named() {
     );
     check(
         &format!("{head}0.1,0.2,3,700,100\n"),
-        "c.csv:2: column \"u\": 700 is outside of the image of 640 x 480 pixels; are these this camera's pixels?",
+        "c.csv:2: column \"u\": 700 is outside the image of 640 x 480 pixels; are these this camera's pixels?",
     );
     check(
         &format!("{head}0.1,0.2,3,70,100\n0.1,0.2,3,71,100\n"),
-        "c.csv:3: corner \"3\" is there twice in one image; leave one of them out, or tell the images apart in a column image",
+        "c.csv:3: corner \"3\" appears twice in one image; remove one of them, or number the images in a column image",
     );
     check(
         &format!("{head}0.1,0.2,3,70,\n"),
@@ -215,27 +215,27 @@ fn every_mistake_in_a_file_of_pixels_is_named() {
     );
     check(
         "joint_1,joint_2,u,v\n0.1,0.2,1,2\n",
-        "c.csv:1: columns u, v do not say of which corner of the board they are; add a column corner with its number, or \
+        "c.csv:1: columns u, v do not say which corner of the board they show; add a column corner with its number, or \
          board_x,board_y",
     );
     check(
         "joint_1,joint_2,x,y,z\n0.1,0.2,1,2,3\n",
-        "c.csv:1: a camera was named, but no columns are pixels; there must be u,v with corner, or u0,v0,u1,v1,… by corner",
+        "c.csv:1: a camera was given, but no columns hold pixels; there must be u,v with corner, or u0,v0,u1,v1,… by corner",
     );
     check(
         &format!("{head}0.1,0.2,3,70,100\n0.1,0.2,4,71,100\n0.3,0.2,4,71,100\n"),
-        "c.csv: no image shows four corners of the board that are not in one line, as a camera must see them to know where it \
-         is; check ‹board›, ‹camera› and the numbers of the corners",
+        "c.csv: no image shows four corners of the board that are not in one line, but the camera's pose needs them; check \
+         ‹board›, ‹camera› and the numbers of the corners",
     );
     let without = |sight| read(&format!("{head}0.1,0.2,3,70,100\n"), sight).unwrap_err().to_string();
     assert_eq!(
         without(Some(Sight { board: None, ..sight() })),
-        "c.csv:1: corners are numbered, and the board is not known; give its squares by ‹board›, such as 7x5:30mm"
+        "c.csv:1: corners are numbered, but the board is unknown; give its squares by ‹board›, such as 7x5:30mm"
     );
     assert_eq!(
         without(None),
-        "c.csv:1: columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by ‹camera› FILE.yaml \
-         and its board by ‹board›, such as 7x5:30mm"
+        "c.csv:1: columns u and v are pixels of an unknown camera; give its intrinsics by ‹camera› FILE.yaml and its board by \
+         ‹board›, such as 7x5:30mm"
     );
 }
 

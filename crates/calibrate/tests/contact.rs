@@ -103,5 +103,5 @@ fn planes_can_be_kept_for_judging_and_poses_are_not_chosen_for_them() {
     println!("held-out plane: {:.3} mm rms, as drawn {:.3} mm", rms * 1e3, drawn * 1e3);
     assert!(rms < 0.2 * drawn);
     let error = plan(&chain, &PlanOptions::new(&chain, 10, ObservationKind::Plane)).unwrap_err().to_string();
-    assert!(error.starts_with("poses cannot be chosen for readings on planes"), "{error}");
+    assert!(error.starts_with("poses cannot be planned for readings on planes"), "{error}");
 }

@@ -72,13 +72,13 @@ fn a_model_goes_to_other_rows_with_its_columns_or_not_at_all() {
     without.covariates = vec![column("time", |row| row as f64)].into();
     assert_eq!(
         bound_later(&model, &measured, &without).unwrap_err().to_string(),
-        "later.csv: column \"temperature\" of simulation is missing here, and effects may follow it; add it, or remove it from \
+        "later.csv: column \"temperature\" of simulation is missing here, but effects may depend on it; add it, or remove it from \
          both files"
     );
     without.covariates = vec![column("temperature", |row| if row == 11 { f64::NAN } else { 20.0 })].into();
     assert_eq!(
         bound_later(&model, &measured, &without).unwrap_err().to_string(),
-        "later.csv: row 12 has no value in column \"temperature\", and an effect follows it; give one, or remove the row or \
+        "later.csv: row 12 has no value in column \"temperature\", but an effect depends on it; fill it in, or remove the row or \
          the column"
     );
 }

@@ -146,7 +146,7 @@ fn what_gravity_does_is_no_curve_and_holds_in_other_postures() {
     let joints: Vec<&str> = result.report.fields.iter().map(|field| field.joint.as_str()).collect();
     assert!(joints.contains(&"joint_2"), "{joints:?}");
     let said = text::calibration(&result);
-    assert!(said.contains("joint joint_2 gives under gravity, rms 0."), "{said}");
+    assert!(said.contains("deflection of joint joint_2 under gravity, rms 0."), "{said}");
     let rms = |stage: usize| result.report.stages[stage].test.as_ref().unwrap().of("position").unwrap().rms;
     println!("other postures: geometry {:.4} mm, with curves {:.4} mm; {joints:?}", rms(1) * 1e3, rms(2) * 1e3);
     assert!(rms(2) < 0.6 * rms(1), "{} {}", rms(1), rms(2));

@@ -93,8 +93,7 @@ fn a_joint_counted_from_the_ground_is_gone_on_with() {
     let said = text::report(&result);
     let first = said.lines().next().unwrap();
     println!("{first}");
-    let mistake =
-        "\"elbow_joint\" were counted from the ground: it reads its own angle plus that of \"shoulder_lift_joint\"";
+    let mistake = "\"elbow_joint\" were measured from the ground: its reading is its own angle plus that of \"shoulder_lift_joint\"";
     assert!(first.starts_with("ATTENTION") && first.contains(mistake), "{said}");
     assert!(first.contains("write elbow_joint - shoulder_lift_joint into column \"elbow_joint\""), "{said}");
     assert_eq!(result.report.read_as.unwrap().joints, ["elbow_joint"]);
@@ -115,8 +114,8 @@ fn quaternions_in_another_order_are_named() {
     };
     // Written w, x, y, z and read as x, y, z, w.
     let first = turned(|q| UnitQuaternion::new_normalize(Quaternion::new(q.k, q.w, q.i, q.j)));
-    check(first, "the quaternion were written w first", "order the header row's names");
-    check(turned(|q| q.inverse()), "the quaternion were the inverse", "in the instrument's frame");
+    check(first, "the quaternion were written w first", "put the names of the header row");
+    check(turned(|q| q.inverse()), "the quaternion were inverse", "in the instrument's frame");
 }
 
 #[test]
@@ -124,7 +123,7 @@ fn readings_out_of_step_are_named() {
     let whole = positions();
     let mut late = whole.subset(&(0..59).collect::<Vec<usize>>());
     late.readings.clone_from(&whole.subset(&(1..60).collect::<Vec<usize>>()).readings);
-    check(late, "the joint readings stood 1 row(s) above the values", "pair readings and values row by row");
+    check(late, "the joint readings were 1 row(s) above the values", "pair readings and values row by row");
 }
 
 #[test]
@@ -200,13 +199,13 @@ fn one_coordinate_in_another_unit_is_named() {
         for observation in 0..data.observations() {
             data.observed.values_mut(observation)[axis] *= 1e3;
         }
-        check(data, &format!("the {name} of what was measured were in mm, unlike the other two"), "‹units›");
+        check(data, &format!("the measured {name} were in mm, unlike the other two"), "‹units›");
     }
     let mut data = positions();
     for observation in 0..data.observations() {
         data.observed.values_mut(observation)[2] *= 1e-3;
     }
-    check(data, "the z of what was measured were in m, unlike the other two", "‹units›");
+    check(data, "the measured z were in m, unlike the other two", "‹units›");
 }
 
 #[test]
@@ -227,7 +226,7 @@ fn a_longer_link_is_said_first() {
     let result = calibrate(&drawn, &Statics::of_chain(&drawn), run.data, None, &options).unwrap();
     let said = text::report(&result);
     println!("{said}");
-    assert!(said.contains("DIFFERS FROM THE DRAWING by far more than links are made to"), "{said}");
+    assert!(said.contains("DIFFERS FROM THE DRAWING by far more than manufacturing tolerances"), "{said}");
     let first = &result.report.differs_from_drawing[0];
     assert_eq!(first.parameter, "elbow_joint.move_x");
     assert!((first.value + 0.025).abs() < 0.004, "{first:?}");

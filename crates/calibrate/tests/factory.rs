@@ -110,7 +110,7 @@ fn bad_files_are_refused_with_their_place() {
     let planar = denavit_model::examples::planar_arm();
     assert_eq!(
         KinematicsFile::of(&planar, AngleOrder::Urdf).unwrap_err().to_string(),
-        "planar_arm: a kinematics file has six revolute joints without scale or offset, and this chain has 2 joints, 2 \
-         of them plain revolute ones; write a table or a URDF"
+        "planar_arm: a kinematics file needs six revolute joints without scale or offset, but this chain has 2 joints, 2 \
+         of this kind; write a table or a URDF"
     );
 }

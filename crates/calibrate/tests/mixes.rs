@@ -231,7 +231,7 @@ fn sockets_without_a_known_distance_say_that_only_tolerances_hold_the_size() {
     let says = |data: &Measurements| {
         let options = CalibrateOptions::geometry(&chain);
         let found = calibrate(&chain, &Statics::of_chain(&chain), data.clone(), None, &options).unwrap();
-        denavit_calibrate::report::text::calibration(&found).contains("size: nothing that was measured has a length")
+        denavit_calibrate::report::text::calibration(&found).contains("size: the measurements contain no length")
     };
     assert!(says(&data));
     data.scene.know_length(["*/0", "*/1"], 0.05, 5e-5);

@@ -100,7 +100,7 @@ fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
     let out: Vec<usize> = statuses.iter().filter(|status| status.out_of_line.is_some()).map(|s| s.row).collect();
     assert_eq!(out, [21, 22]);
     let words = explained(&statuses[21]);
-    assert!(words.len() == 1 && words[0].starts_with("the target sits 12."), "{words:?}");
+    assert!(words.len() == 1 && words[0].starts_with("the target has moved by 12."), "{words:?}");
     let last = statuses.last().unwrap();
     // They stay out of the fit: the noise is that of the others.
     assert_eq!(last.lines_out_of_line, [data.lines[20], data.lines[21]]);
@@ -123,7 +123,7 @@ fn a_base_that_slips_is_told_from_other_mistakes() {
     assert!(statuses[24..].iter().all(|status| status.out_of_line.is_some()));
     // Three rows tell a motion in space.
     let words = explained(&statuses[26]);
-    assert!(words.len() == 1 && words[0].contains("the instrument or the robot's base was moved by"), "{words:?}");
+    assert!(words.len() == 1 && words[0].contains("the instrument or the robot's base has moved by"), "{words:?}");
     assert!(explained(&statuses[29])[0].contains("and 0.11"), "2 mrad are 0.115°: {:?}", explained(&statuses[29]));
 }
 
@@ -134,7 +134,7 @@ fn a_joint_that_stands_elsewhere_than_it_reads_is_named() {
     let n = data.joints.len();
     data.readings[25 * n + 2] -= 0.01;
     let statuses = watched(&chain, &data);
-    let expected = format!("joint {} stands +0.57", data.joints[2]);
+    let expected = format!("joint {} is +0.57", data.joints[2]);
     assert!(explained(&statuses[25])[0].starts_with(&expected), "{:?}", explained(&statuses[25]));
     assert_eq!(statuses.iter().filter(|status| status.out_of_line.is_some()).count(), 1);
 }

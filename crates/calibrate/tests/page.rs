@@ -71,10 +71,10 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
     let last = denavit_calibrate::report::text::parameters(&result.trace.as_ref().unwrap().fit);
     let geometric = denavit_calibrate::report::text::parameters(&result.identification.geometric);
     assert!(last != geometric && text.contains(&last), "{last}");
-    assert!(text.contains("transmission_error at joint_3") && text.contains("Everything that was tried"));
+    assert!(text.contains("transmission_error at joint_3") && text.contains("All candidates"));
     assert!(text.contains("<td>helical_pitch</td>"));
     assert!(text.contains("<h3>transmission_error at joint_3</h3>") && text.contains("half-sample refits"), "{text}");
-    assert!(!text.contains("class=\"open\"") && !text.contains("Structure without a name"));
+    assert!(!text.contains("class=\"open\"") && !text.contains("Unexplained structure"));
     if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
         std::fs::write(format!("{folder}/page_effect.html"), text).unwrap();
     }
@@ -92,7 +92,7 @@ fn shows_an_effect_beside_what_drives_it_and_all_that_was_tried() {
         text.contains("included in the model, cause uncertain: selected")
             && text.contains("there is more unexplained structure")
     );
-    assert!(text.contains("Structure without a name") && text.contains("What remains follows joint_2 40 %"));
+    assert!(text.contains("Unexplained structure") && text.contains("The residuals follow joint_2 40 %"));
 
     // An alternative that is likelier than what the model has stands first, and its advice is given.
     let trace = result.trace.as_mut().unwrap();
@@ -127,7 +127,7 @@ fn curves_and_what_gives_under_gravity_are_drawn() {
     assert!(curves >= 2 && fields >= 1, "{curves} {fields}");
     let text = page(&result).unwrap();
     assert_eq!(text.matches("error curve and its 95 % band").count(), curves);
-    assert_eq!(text.matches("what it gives under gravity in the fitted rows").count(), fields);
+    assert_eq!(text.matches("deflection under gravity in the fitted rows").count(), fields);
     if let Ok(folder) = std::env::var("DENAVIT_SHOW") {
         std::fs::write(format!("{folder}/page_curves.html"), text).unwrap();
     }

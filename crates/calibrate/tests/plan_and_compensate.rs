@@ -31,8 +31,8 @@ fn chosen_poses_are_more_observable_and_stay_in_the_box() {
         let none = PlanOptions { allowed: Some([Point3::new(50.0, 0.0, 0.0); 2]), ..options };
         assert_eq!(
             plan(chain, &none).unwrap_err().to_string(),
-            "12 poses are to be chosen, but only 0 of 1000 candidates are within the limits and the box; allow more or \
-             ask for fewer"
+            "12 poses are wanted, but only 0 of 1000 candidates are within the limits and the box; allow more candidates or \
+             choose fewer poses"
         );
     }
 }

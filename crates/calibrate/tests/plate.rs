@@ -34,7 +34,7 @@ fn a_hole_that_is_not_there_and_a_plate_that_is_not_stated_are_said() {
     let wrong = said(&format!("{header},hole\n0,0,0,0,0,0,A1\n0,0,0,0,0,0,D1\n"), Some("4x3:40mm"));
     assert!(wrong.starts_with("run.csv:3:") && wrong.contains("no hole \"D1\"; its holes are A1 to C4"), "{wrong}");
     let without = said(&format!("{header},hole\n0,0,0,0,0,0,A1\n"), None);
-    assert!(without.contains("say by ‹plate› where the holes are"), "{without}");
+    assert!(without.contains("give the plate of the holes by ‹plate›"), "{without}");
     let both = said(&format!("{header},hole,x,y,z\n0,0,0,0,0,0,A1,1,2,3\n"), Some("4x3:40mm"));
     assert!(both.contains("leave out one of both"), "{both}");
     let none = said(&format!("{header},x,y,z\n0,0,0,0,0,0,1,2,3\n"), Some("4x3:40mm"));

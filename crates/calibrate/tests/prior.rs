@@ -146,5 +146,8 @@ fn what_nothing_can_be_continued_from_is_said() {
     assert!(said.contains("it needs 3 correlations between -1 and 1"), "{said}");
     value.as_object_mut().unwrap().remove("posterior");
     let said = refused(&value.to_string(), &chain).to_string();
-    assert!(said.contains("it holds no correlations of the parameters, so nothing can be continued from it"), "{said}");
+    assert!(
+        said.contains("it holds no correlations of the parameters, so no calibration can continue from it"),
+        "{said}"
+    );
 }

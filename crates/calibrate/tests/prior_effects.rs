@@ -128,7 +128,7 @@ fn a_gear_that_was_exchanged_is_not_held_to_its_old_curve() {
         assert_eq!(states[0], ("joint_2", PartState::Contradicted));
         assert!(rms(&after, "updated") < 1.02 * rms(&anew, "geometric"));
         assert!(
-            text::calibration(&after).contains("left out: the error curve of joint_2, for these rows speak against it")
+            text::calibration(&after).contains("left out: the error curve of joint_2, as these rows contradict it")
         );
         assert!(after.report.curves.iter().all(|curve| curve.joint != "joint_2"));
     }
@@ -243,8 +243,7 @@ fn what_was_of_that_day_is_left_out_and_named() {
     let wanted = [PartState::OfThatRun, PartState::OfThatSetup, PartState::NoColumn, PartState::Kept];
     assert_eq!(states, wanted, "{parts:?}");
     let said = text::calibration(&after);
-    for words in ["drift at joint_2, for it was a drift of the earlier run", "these rows do not have, \"temperature\""]
-    {
+    for words in ["drift at joint_2, as it was a drift of the earlier run", "these rows do not have, \"temperature\""] {
         assert!(said.contains(words), "{said}");
     }
 }

@@ -98,8 +98,8 @@ fn sixty_equal_rows_are_one_posture() {
     let error = calibrate(&chain, &statics, equal, None, &CalibrateOptions::geometry(&chain)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "simulation: 1 row holds 3 measured numbers, but placing the instrument and the targets takes 9 and a few to check \
-         them; measure more poses"
+        "simulation: 1 row holds 3 measured numbers, but 9 are needed to place the instrument and the targets, and a few more \
+         as a check; measure more poses"
     );
     let few = data.subset(&(0..60).map(|row| row % 10).collect::<Vec<usize>>());
     let result = calibrate(&chain, &statics, few, None, &CalibrateOptions::geometry(&chain)).unwrap();
@@ -122,7 +122,7 @@ fn held_out_rows_that_a_stage_makes_worse_are_told_and_choose_nothing() {
     assert_eq!(result.report.adopted, Adopted::Geometric, "{said}");
     assert!(result.report.stages[1].worse_on_held_out && result.report.stages[1].adopted);
     assert!(
-        said.contains("\"geometric\" makes the held-out rows worse than \"nominal\", by more than chance"),
+        said.contains("\"geometric\" predicts the held-out rows worse than \"nominal\", by more than chance"),
         "{said}"
     );
 }

@@ -64,7 +64,7 @@ fn what_the_model_misses_stands_out_of_the_pure_error() {
     assert!((position.pure_error / 5e-5 - 1.0).abs() < 0.2 && position.missed > 3e-5, "{position:?}");
     let said = text::report(&result);
     assert!(said.contains("40 postures measured again (120 positions): repeats differ by 0.05"), "{said}");
-    assert!(said.contains("the model misses 0.0"), "{said}");
+    assert!(said.contains("lack of fit: 0.0"), "{said}");
 }
 
 #[test]

@@ -79,10 +79,10 @@ fn the_report_speaks_of_it_where_something_is_open() {
     let (found, _, _) = calibrated(ObservationKind::Position, 60, 6, &["joint_compliance@elbow_joint=0.05mm"]);
     let text = denavit_calibrate::report::text::report(&found);
     assert_eq!(found.report.one_of.is_empty(), found.report.prospect.is_none(), "{text}");
-    assert_eq!(text.contains("The error that remains unsure is"), found.report.prospect.is_some(), "{text}");
+    assert_eq!(text.contains("The uncertainty of the prediction is"), found.report.prospect.is_some(), "{text}");
     assert!(found.report.prospect.is_some(), "the run is to leave something open:\n{text}");
     let page = denavit_calibrate::report::html::page(&found).unwrap();
-    assert!(page.contains("The error that remains unsure is"));
+    assert!(page.contains("The uncertainty of the prediction is"));
 }
 
 #[test]

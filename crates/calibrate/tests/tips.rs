@@ -308,7 +308,7 @@ fn held_out_rows_are_judged_by_tip() {
     assert!(error.contains("Statics::placed_tips"), "{error}");
     let left: Vec<usize> = (0..run.data.len()).filter(|&row| run.data.tip_of(row) == 0).collect();
     let error = calibrate(&chain, &statics, run.data.subset(&left), None, &geometry).unwrap_err().to_string();
-    assert_eq!(error, "simulation: no row is of tip \"right_hand\"; measure some, or name the other tips alone");
+    assert_eq!(error, "simulation: no row is of tip \"right_hand\"; measure some, or name only the other tips");
 }
 
 /// Both hands, and what gravity acts on.
@@ -557,7 +557,7 @@ fn a_row_without_its_tip_is_named() {
     let one = read("rows.csv", text.as_bytes(), &chains[0], Units::default()).unwrap_err().to_string();
     assert!(
         one.starts_with(
-            "rows.csv:3: column \"tip\": the row is of \"right_hand\", but the chain ends at \"left_hand\""
+            "rows.csv:3: column \"tip\": the row belongs to \"right_hand\", but the chain ends at \"left_hand\""
         ),
         "{one}"
     );

@@ -1,4 +1,4 @@
-//! The command line: what can be asked for, and the help that teaches it.
+//! The command line and its help.
 
 mod edit;
 mod fleet;
@@ -33,7 +33,7 @@ pub struct Arguments {
     pub command: Command,
 }
 
-/// The heading of options that say which robot is meant and how it is read.
+/// The heading of options that choose the robot and how it is read.
 const ROBOT_OPTIONS: &str = "Robot options";
 
 const EXAMPLES: &str = "\
@@ -106,7 +106,7 @@ pub enum Command {
     Fleet(FleetArguments),
     /// Serve an editor: errors as you type, hover, definitions, rename, completion
     Lsp(LspArguments),
-    /// Print completions of the command line for a shell
+    /// Print completions for a shell
     Completions(CompletionsArguments),
     /// Print the manual page, or write one for each command
     Man(ManArguments),
@@ -200,10 +200,11 @@ fn xacro_argument(word: &str) -> Result<String, String> {
     if word.contains(":=") {
         return Ok(word.to_owned());
     }
-    Err("behind the robot stand arguments of a xacro file, NAME:=VALUE".to_owned())
+    Err("only arguments of a xacro file (NAME:=VALUE) may follow the robot; give a file of measurements with --data"
+        .to_owned())
 }
 
-/// Units of what is printed for people.
+/// Units of printed text.
 #[derive(Debug, Args)]
 pub struct UnitsArguments {
     /// Units of text: m or mm, deg or rad
@@ -241,7 +242,7 @@ impl ConventionName {
 /// Names of gauges on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GaugeName {
-    /// The fewest numbers that are not 0, quarter turns before other angles
+    /// The fewest nonzero numbers; quarter turns rather than other angles
     Simple,
     /// The paper's rule: a ≥ 0, d of parallel axes at the end of their run
     Paper,
@@ -331,8 +332,8 @@ pub struct FkArguments {
 }
 
 const IK_EXAMPLES: &str = "\
-Poses are of the tip in the base frame: x,y,z and roll,pitch,yaw (R = Rz(yaw) Ry(pitch) Rx(roll)), or columns of a CSV with \
-qx,qy,qz,qw for the angles; rows of joint values mean the pose of the robot there. Solutions near --near come first, those \
+A pose is that of the tip in the base frame: x,y,z and roll,pitch,yaw (R = Rz(yaw) Ry(pitch) Rx(roll)). A CSV may have qx,qy,qz,qw \
+instead of the angles; a row of joint values means the robot's pose there. Solutions nearest to --near come first, those \
 outside the limits last; each row starts from the solution of the row before. If a pose is not reached within the limits, the \
 nearest pose and its distance are printed, and the exit code is 1.
 
@@ -360,7 +361,7 @@ pub struct IkArguments {
     /// Poses to reach, a CSV, or - for standard input
     #[arg(long, value_name = "FILE")]
     pub poses: Option<String>,
-    /// Joint values near which the first solution is, in order or by name, in --units
+    /// Joint values to which the first solution is nearest, in order or by name, in --units
     #[arg(long, value_name = "VALUES", allow_hyphen_values = true, default_value = "")]
     pub near: String,
     /// Print every solution, not only the first
@@ -378,8 +379,8 @@ pub struct IkArguments {
 }
 
 const CODE_EXAMPLES: &str = "\
-One file without dependencies: forward kinematics and Jacobian with numbers and structure written out, no heap, no loops, no \
-branches, and a self-test that compares stored postures. C and C++ are headers; -DNAME_SELF_TEST_MAIN makes a program of one.
+Writes one file without dependencies: forward kinematics and Jacobian with all numbers written out, without heap, loops or \
+branches, and a self-test with stored postures. C and C++ are headers; -DNAME_SELF_TEST_MAIN makes a program of one.
 
 Examples:
   denavit code ur5e.urdf --lang c -o ur5e.h
@@ -418,7 +419,7 @@ pub struct CodeArguments {
     /// Language
     #[arg(long, value_name = "LANGUAGE")]
     pub lang: LanguageName,
-    /// Numbers of four bytes, in C, C++ and Rust
+    /// Single precision, in C, C++ and Rust
     #[arg(long)]
     pub single: bool,
     /// Write to a file, as a whole or not at all [default: standard output]
@@ -428,9 +429,9 @@ pub struct CodeArguments {
 
 const HAND_EYE_EXAMPLES: &str = "\
 The file has a row per standstill: the robot's pose (tip in the base frame) in robot_x,robot_y,robot_z and robot_rx,robot_ry,\
-robot_rz, beside what the instrument saw (target in the instrument's frame) in x,y,z,qx,qy,qz,qw. Either orientation may be a \
-quaternion qx,qy,qz,qw, a rotation vector rx,ry,rz, or roll,pitch,yaw. A row whose target was not seen has empty cells. Ten poses or \
-more that turn about two axes by 30° or more make a good file. No robot description is needed.
+robot_rz, and the measured pose of the target in the instrument's frame in x,y,z,qx,qy,qz,qw. Either orientation may be a \
+quaternion qx,qy,qz,qw, a rotation vector rx,ry,rz, or roll,pitch,yaw. A row whose target was not seen has empty cells. Measure ten \
+poses or more, with turns of 30° or more about two axes. No robot description is needed.
 
 Examples:
   denavit hand-eye --data poses.csv                        camera beside the robot, marker on the hand
@@ -447,7 +448,7 @@ pub enum HandEyeFormat {
     Json,
     /// Launch file of ROS 2 with a static transform
     RosLaunch,
-    /// A transform as geometry_msgs/TransformStamped writes it
+    /// A transform in the form of geometry_msgs/TransformStamped
     RosYaml,
     /// A link and a fixed joint for a URDF
     Urdf,
@@ -466,10 +467,10 @@ pub struct HandEyeArguments {
     /// Units of the file: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad")]
     pub units: String,
-    /// What robot_rx,robot_ry,robot_rz are: vector, or an order of turns such as xyz or ZYX
+    /// Form of robot_rx,robot_ry,robot_rz: vector, or an order of turns such as xyz or ZYX
     #[arg(long, value_name = "ANGLES", default_value = "vector")]
     pub robot_angles: String,
-    /// What rx,ry,rz are
+    /// Form of rx,ry,rz, likewise
     #[arg(long, value_name = "ANGLES", default_value = "vector")]
     pub angles: String,
     /// Output format
@@ -478,7 +479,7 @@ pub struct HandEyeArguments {
     /// Parent of the instrument's frame in ROS and URDF [default: base, or tip with --on-hand]
     #[arg(long, value_name = "NAME")]
     pub parent: Option<String>,
-    /// Name of the instrument's frame there
+    /// Name of the instrument's frame in ROS and URDF
     #[arg(long, value_name = "NAME", default_value = "instrument")]
     pub child: String,
     /// JSON.
@@ -591,7 +592,7 @@ pub struct DiffArguments {
     /// Ignore joint zeros and senses
     #[arg(long)]
     pub up_to_zeros: bool,
-    /// One was converted through this format: ignore what it cannot express
+    /// One robot was converted through this format: ignore what the format cannot express
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub through: Option<RobotFormatName>,
     /// Count added, removed and renamed links, joints and frames as differences
@@ -629,9 +630,9 @@ fn report_names() -> clap::builder::PossibleValuesParser {
 /// Where on a joint's axis its child link's frame lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FramesName {
-    /// At the foot of the common normal with the axis before
+    /// At the foot of the common normal with the previous axis
     Distal,
-    /// At the foot of the common normal with the axis behind
+    /// At the foot of the common normal with the next axis
     Proximal,
 }
 
@@ -673,21 +674,21 @@ pub struct ExportArguments {
     /// Where on a joint's axis its child link's frame lies
     #[arg(long, value_enum, default_value_t = FramesName::Distal)]
     pub frames: FramesName,
-    /// Convert to this format and leave every frame where it is; what the format cannot say is listed, and kept in a
-    /// FILE.denavit.json beside the output [default: by the ending of the output, .xml or .sdf; .urdf of a source in
-    /// another format]
+    /// Convert to this format and leave every frame where it is; what the format cannot express is listed, and kept in
+    /// FILE.denavit.json beside the output [default: by the extension of the output, .xml or .sdf, or .urdf if the source
+    /// has another format]
     #[arg(long, value_enum, value_name = "FORMAT", conflicts_with_all = ["keep_link_frames", "dh_links"])]
     pub to: Option<RobotFormatName>,
-    /// Say what was checked of the converted text, and by how much it differs
+    /// Print what was checked in the converted text, and how much it differs
     #[arg(long)]
     pub proof: bool,
-    /// Change an inertia that no body can have to the nearest possible one, where the format refuses it
+    /// Replace an inertia that no body can have by the nearest possible one, if the format refuses it
     #[arg(long)]
     pub fix_inertia: bool,
-    /// SRDF of the robot: an MJCF has its disabled collisions as excluded contacts and its states as keys
+    /// SRDF of the robot: its disabled collisions become excluded contacts of an MJCF, its states keys
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<String>,
-    /// Where the SRDF goes that an MJCF's excluded contacts and keys make
+    /// File for the SRDF that is made from an MJCF's excluded contacts and keys
     #[arg(long, value_name = "FILE")]
     pub srdf_out: Option<PathBuf>,
     /// Write to a file, as a whole or not at all [default: standard output]
@@ -698,7 +699,7 @@ pub struct ExportArguments {
 /// Arguments of `denavit doc`.
 #[derive(Debug, Args)]
 pub struct DocArguments {
-    /// Robots: any source, or a folder for all that are in it; several make a page each and an index. NAME:=VALUE are
+    /// Robots: any source, or a folder for all robots in it; several give a page each and an index. NAME:=VALUE are
     /// arguments of the xacro files among them
     #[arg(required = true, value_name = "ROBOT")]
     pub robots: Vec<String>,
@@ -714,7 +715,7 @@ pub struct DocArguments {
     /// Link that the chain ends at
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
-    /// Take every number as it is written
+    /// Take every number as written
     #[arg(long)]
     pub exact: bool,
     /// Folder with ROS packages, or a package, for xacro files
@@ -731,14 +732,14 @@ pub struct DocArguments {
 /// Arguments of `denavit explore`.
 #[derive(Debug, Args)]
 pub struct ExploreArguments {
-    /// Robots: any source, or a folder for all that are in it; two are compared. NAME:=VALUE are arguments of the xacro files
-    /// among them. Without any the page waits for files to be dropped
+    /// Robots: any source, or a folder for all robots in it; two are compared. NAME:=VALUE are arguments of the xacro files
+    /// among them. Without a robot, drop files on the page
     #[arg(value_name = "ROBOT")]
     pub robots: Vec<String>,
     /// Write the page to a file, - for standard output, instead of serving it
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Port to serve at, on this machine only; 0: any that is free
+    /// Port to serve at, on this machine only; 0: any free port
     #[arg(long, value_name = "PORT", default_value_t = 0, conflicts_with = "output")]
     pub port: u16,
     /// Print the address and open no browser
@@ -765,13 +766,13 @@ pub struct FingerprintArguments {
     #[arg(long, value_name = "SIZE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE,
         value_parser = numbers::part)]
     pub tolerance: f64,
-    /// Compare with a fingerprint that was written down: exit code 0 the same, 1 different
+    /// Compare with a recorded fingerprint: exit code 0 the same, 1 different
     #[arg(long, value_name = "FINGERPRINT")]
     pub expect: Option<String>,
     /// Take every number as written: 1.5708 is not read as π/2
     #[arg(long)]
     pub exact: bool,
-    /// With --expect: what is not motion may differ: masses, shapes, speeds, transmissions, settings
+    /// With --expect: compare motion only; masses, shapes, speeds, transmissions and settings may differ
     #[arg(long, requires = "expect")]
     pub only_motion: bool,
     /// JSON.
@@ -783,7 +784,7 @@ pub struct FingerprintArguments {
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct CheckArguments {
-    /// Any sources, or folders for all robots that are in them; SRDF files beside their URDF. NAME:=VALUE are arguments of
+    /// Any sources, or folders for all robots in them; SRDF files together with their URDF. NAME:=VALUE are arguments of
     /// the xacro files among them [default: the robots that denavit.toml names]
     #[arg(value_name = "ROBOT")]
     pub files: Vec<String>,
@@ -805,14 +806,14 @@ pub struct CheckArguments {
     /// Fix in place the findings whose fix is certain
     #[arg(long)]
     pub fix: bool,
-    /// Known findings, as --write-baseline wrote them: only what is new is reported, and only new errors make the exit code 1
-    /// [default: what denavit.toml names]
+    /// Known findings, written by --write-baseline: only new findings are reported, and only new errors make the exit code 1
+    /// [default: the file that denavit.toml names]
     #[arg(long, value_name = "FILE")]
     pub baseline: Option<PathBuf>,
     /// Write the findings of this run into FILE, for --baseline, instead of reporting them
     #[arg(long, value_name = "FILE", conflicts_with_all = ["baseline", "fix", "format", "json", "output"])]
     pub write_baseline: Option<PathBuf>,
-    /// Leave out xacro files that are no robot by themselves, such as files of macros, with a message
+    /// Leave out, with a message, xacro files that are not robots by themselves, such as files of macros
     #[arg(long)]
     pub robots_only: bool,
     /// List the rules

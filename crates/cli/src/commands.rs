@@ -53,7 +53,7 @@ fn reading(exact: bool) -> Reading {
 fn units(arguments: &UnitsArguments) -> Result<Units, Failure> {
     Units::default().with_words(&arguments.units).map_err(|UnknownUnit { word, .. }| {
         Failure::Argument(format!(
-            "--units: \"{}\" is no unit of documents; write m or mm, and deg or rad",
+            "--units: \"{}\" is not a unit of text; write m or mm, and deg or rad",
             quoted(&word)
         ))
     })

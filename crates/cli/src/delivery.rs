@@ -1,4 +1,4 @@
-//! One result in two views, the command's own and JSON, each to where it was asked for.
+//! One result in two views, the command's own and JSON, each written to its destination.
 
 use crate::args::JsonArguments;
 use crate::failure::Failure;
@@ -51,12 +51,12 @@ impl Delivery {
         output::colour(self.own_is_printed)
     }
 
-    /// Whether the command's own view is asked for.
+    /// Whether the command's own view is requested.
     pub fn wants_own(&self) -> bool {
         self.own.is_some()
     }
 
-    /// Makes what was asked for, and writes it as a whole or not at all.
+    /// Makes the requested views, and writes all of them or none.
     pub fn deliver(
         &self,
         own: impl FnOnce() -> Result<String, Failure>,

@@ -1,4 +1,4 @@
-//! Everything that ends a run with exit code 2, said once and with the fix.
+//! The errors that end a run with exit code 2, each with its fix.
 
 use thiserror::Error;
 
@@ -106,7 +106,7 @@ pub enum Failure {
     #[error(transparent)]
     Render(#[from] denavit_export::RenderError),
     /// Nobody reads on: no failure.
-    #[error("the reader has gone")]
+    #[error("the reader closed the pipe")]
     ClosedPipe,
 }
 
@@ -115,7 +115,7 @@ impl Failure {
     /// What this build leaves out, and how to get it.
     pub fn not_built(feature: &str) -> Self {
         Self::Argument(format!(
-            "this denavit was built without the feature \"{feature}\"; build it with all of them: cargo install --path crates/cli"
+            "this denavit was built without the feature \"{feature}\"; build it with all features: cargo install --path crates/cli"
         ))
     }
 }

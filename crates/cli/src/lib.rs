@@ -1,12 +1,12 @@
 //! Robot models from descriptions: screw axes, Denavit-Hartenberg tables, inverse kinematics, comparison, export and calibration.
 //!
-//! This crate re-exports the everyday path of its parts, which are `denavit-model`, `denavit-dh` and so on; its modules are those
-//! crates in whole; the modules of `calibrate` change without notice, the names at its root do not. With `default-features = false` it
+//! The root of this crate re-exports what most programs need of its parts, `denavit-model`, `denavit-dh` and so on; its modules are
+//! those crates in full. The modules of `calibrate` change without notice, the names at its root do not. `default-features = false`
 //! leaves out calibration and inverse kinematics (`Solver`). The program of the same name is in this package.
 //!
 //! # Quick start
 //!
-//! Load a robot, put it somewhere, ask where the tip is and how it moves:
+//! Load a robot and compute the pose and the Jacobian of its tip:
 //!
 //! ```
 //! # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/universal_robots"))?;
@@ -50,7 +50,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Whether an edit changed it, with a bound for every posture:
+//! Whether an edit changed the robot, with a bound for every posture:
 //!
 //! ```
 //! # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/universal_robots"))?;

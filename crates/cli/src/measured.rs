@@ -84,7 +84,7 @@ pub fn data_file(file: &str, units: Units, import: ImportOptions) -> Result<Data
     Ok(DataFile { name, content, units, import, ..DataFile::default() })
 }
 
-/// A file whose columns nobody has to be told of.
+/// A file whose columns need no options.
 pub fn bare_file(file: &str) -> Result<DataFile, Failure> {
     data_file(file, Units::default(), ImportOptions::default())
 }
@@ -198,7 +198,7 @@ pub fn given(arguments: &GivenArguments) -> Result<Vec<(String, f64)>, Failure> 
             let value = value.trim().parse::<f64>().ok().filter(|value| value.is_finite())?;
             Some((name.trim().to_owned(), value))
         });
-        parsed.ok_or_else(|| Failure::Argument(format!("--given: \"{word}\" is no NAME=VALUE, such as payload=2.5")))
+        parsed.ok_or_else(|| Failure::Argument(format!("--given: \"{word}\" is not NAME=VALUE, such as payload=2.5")))
     };
     arguments.given.iter().map(pair).collect()
 }

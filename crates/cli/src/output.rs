@@ -68,12 +68,12 @@ pub fn complain(failure: &Failure) {
     }
 }
 
-/// Says on standard error what the output on standard output has no place for.
+/// Prints on standard error the notes that do not belong to the output on standard output.
 pub fn remark(notes: &[Note]) {
     notes.iter().for_each(mention);
 }
 
-/// Says on standard error what is no error, but may not be meant.
+/// Prints a note on standard error: not an error, but perhaps not intended.
 pub fn mention(text: impl std::fmt::Display) {
     let note = text.to_string();
     match GATHERED.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
@@ -82,7 +82,7 @@ pub fn mention(text: impl std::fmt::Display) {
     }
 }
 
-/// Notes of a command that tells them at its end; `None` where each is told at once.
+/// Notes of a command that prints them at its end; `None` if each is printed at once.
 static GATHERED: Mutex<Option<Vec<String>>> = Mutex::new(None);
 
 /// From here on notes wait for [`tell_notes`].
@@ -108,14 +108,14 @@ fn print_note(note: &str) {
     }
 }
 
-/// Whether text on standard output is coloured: on a terminal that has not been told otherwise.
+/// Whether text on standard output is coloured: on a terminal, unless `NO_COLOR` is set.
 pub fn colour(to_standard_output: bool) -> Colour {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     if to_standard_output && !plain && io::stdout().is_terminal() { Colour::Ansi } else { Colour::None }
 }
 
-/// What the run of this process reads without its command line naming it, and where it will write: whichever is known
-/// second is compared with the other.
+/// Files that this process reads although its command line does not name them, and files that it will write. Whichever becomes
+/// known second is compared with the other.
 struct Run {
     read: Vec<PathBuf>,
     places: Vec<Place>,
@@ -123,7 +123,7 @@ struct Run {
 
 static RUN: Mutex<Run> = Mutex::new(Run { read: Vec::new(), places: Vec::new() });
 
-/// Notes files that a source made us read, such as what a xacro file includes; refused where an output would replace one.
+/// Records files that a source includes, as xacro files do; an error if an output would replace one.
 pub fn reads(files: &[PathBuf]) -> Result<(), Failure> {
     let mut run = RUN.lock().unwrap_or_else(PoisonError::into_inner);
     for place in &run.places {
@@ -138,7 +138,7 @@ pub fn reads(files: &[PathBuf]) -> Result<(), Failure> {
 pub struct Outputs {
     inputs: Vec<String>,
     places: Vec<Place>,
-    /// What is mended in place is an input by intention.
+    /// Files that are fixed in place are inputs, too.
     in_place: bool,
 }
 
@@ -191,7 +191,7 @@ impl Outputs {
         }
         if let Some(other) = self.places.iter().find(|place| place.destination.clashes_with(&destination)) {
             return Err(Failure::Argument(format!(
-                "{} {} and {option} {shown}: two outputs go to one place; give each a file of its own",
+                "{} {} and {option} {shown}: two outputs have the same file; give each a file of its own",
                 other.option,
                 other.given.display()
             )));
@@ -233,7 +233,7 @@ impl Outputs {
             }
             match Destination::of(path)? {
                 Destination::File(target) => files.push(Staged::full(&target, path, bytes)?),
-                _ => return Err(failed(io::Error::other("it is no file"))),
+                _ => return Err(failed(io::Error::other("it is not a file"))),
             }
         }
         for (Slot(slot), text) in texts {
@@ -280,7 +280,7 @@ impl OutputFolder {
         let there = given.ancestors().find(|folder| folder.as_os_str().is_empty() || folder.exists());
         let there = there.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !there.is_dir() {
-            return Err(refused(format!("{} is no folder", there.display())));
+            return Err(refused(format!("{} is not a folder", there.display())));
         }
         staged::temporary(&there.join("any"), given)?;
         Ok(Self(given.to_owned()))

@@ -1,4 +1,4 @@
-//! A spinner on standard error while something takes long; nothing where standard error is no terminal.
+//! A spinner on standard error during long work; hidden if standard error is not a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Redrawn this often.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What is going on, said while it continues and taken away when dropped.
+/// A message about the present work, shown until it is dropped.
 pub struct Spinner(ProgressBar);
 
 impl Spinner {
@@ -34,7 +34,7 @@ impl Drop for Spinner {
     }
 }
 
-/// How far many like things are, with an estimate of what is left; nothing where standard error is no terminal.
+/// A progress bar of many equal tasks, with an estimate of the remaining time; hidden if standard error is not a terminal.
 pub struct Bar(ProgressBar);
 
 impl Bar {
@@ -48,7 +48,7 @@ impl Bar {
         Self(bar)
     }
 
-    /// One more is done; what was done before says nothing of the time that is left.
+    /// One more is done; tasks that were done before do not count for the remaining time.
     pub fn step(&self, what: &str, known: bool) {
         if known {
             self.0.set_length(self.0.length().unwrap_or(1).saturating_sub(1));

@@ -1,4 +1,4 @@
-//! What the arguments say of a robot, handed to `denavit_load`; what must be said of the reading is said.
+//! Loads robots as the arguments say, through `denavit_load`, and prints the notes of reading.
 
 mod folder;
 
@@ -64,13 +64,13 @@ pub fn urdf_text(file: &str, text: String, arguments: &SourceArguments) -> Resul
     Ok(urdf)
 }
 
-/// Why a xacro file is a part of robots and none by itself; `None` where it is one, or is broken.
+/// Why a xacro file is a part of robots and not a robot by itself; `None` if it is a robot, or is broken.
 pub fn why_a_part(file: &str, text: &str, arguments: &SourceArguments) -> Option<String> {
     let options = Options { arguments_for_another: true, ..options(arguments).ok()? };
     denavit_load::why_a_part(file, text, &options)
 }
 
-/// The URDF that a xacro document stands for.
+/// The URDF that a xacro document expands to.
 pub fn expanded(file: &str, text: &str, arguments: &SourceArguments) -> Result<String, Failure> {
     let expanded = denavit_load::expanded(file, text, &options(arguments)?)?;
     output::reads(&expanded.files_read)?;
@@ -95,7 +95,7 @@ pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
     let convention = arguments.table_convention.map(ConventionName::convention);
     let stated = Stated { convention, ..Stated::default() };
     stated.with_units(arguments.table_units.as_deref().unwrap_or_default()).map_err(|UnknownUnit { word, .. }| {
-        Failure::Argument(format!("--table-units: \"{}\" is no unit that is known here, or the second one of its kind; write one of {} and one of {}",
+        Failure::Argument(format!("--table-units: \"{}\" is not a known unit, or a second unit of the same kind; write one of {} and one of {}",
             quoted(&word),
             Unit::words(Quantity::Length),
             Unit::words(Quantity::Angle)))
@@ -106,7 +106,9 @@ pub fn stated(arguments: &SourceArguments) -> Result<Stated, Failure> {
 pub fn options(arguments: &SourceArguments) -> Result<Options, Failure> {
     let pair = |word: &String| {
         let split = word.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
-        split.ok_or_else(|| Failure::Argument(format!("\"{word}\" is no argument of a xacro file; write NAME:=VALUE")))
+        split.ok_or_else(|| {
+            Failure::Argument(format!("\"{word}\" is not an argument of a xacro file; write NAME:=VALUE"))
+        })
     };
     Ok(Options {
         arguments: arguments.values.iter().map(pair).collect::<Result<_, Failure>>()?,
@@ -123,8 +125,8 @@ impl SourceArguments {
     pub fn are_of_use(&self, any_is_xacro: bool) -> Result<(), Failure> {
         match self.values.first() {
             Some(word) if !any_is_xacro => Err(Failure::Argument(format!(
-                "none of these sources is a xacro file, so none takes the argument {word}; leave it out, or name the xacro \
-                 file that the robot is made from"
+                "no source is a xacro file, so the argument {word} has no use; leave it out, or name the xacro file that the \
+                 robot is made from"
             ))),
             _ => Ok(()),
         }

@@ -1,5 +1,5 @@
-//! ns per pose of a UR5e: the written `fk_batch` as compilers make it, beside denavit's batch in vectors of 256 bits, in turn and in one
-//! run. `batch_time UR5E.urdf` prints the least of the rounds' medians.
+//! ns per pose of a UR5e: the generated `fk_batch` from several compilers and denavit's batch in vectors of 256 bits, timed in turn in one
+//! run. `batch_time UR5E.urdf` prints the smallest of the rounds' medians.
 
 use denavit_code::{Language, Options, Precision, code};
 use denavit_dh::convert;

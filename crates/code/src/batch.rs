@@ -1,11 +1,11 @@
-//! Forward kinematics of many postures: eight or sixteen at once, with sines of their own, in loops that a compiler makes vectors of.
+//! Forward kinematics of many postures: eight or sixteen at once, with own sines, in loops that a compiler vectorises.
 
 use crate::program::{Statement, Value};
 use crate::render::Writer;
 use denavit_model::compiled::quarter_turns::{COSINE, LARGEST_REDUCED, QUARTER_TURN, QUARTER_TURN_REST, ROUNDER, SINE};
 use serde::Serialize;
 
-/// What the templates fill in.
+/// The values for the templates.
 #[derive(Debug, Serialize)]
 pub struct Shown {
     /// rad, of the posture in a lane.

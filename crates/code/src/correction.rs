@@ -1,9 +1,9 @@
-//! Effects written out: where the tip is with them, and the step to the joint values that bring it where it is wanted.
+//! Effects written out: the tip's pose with them, and the step to the joint values that bring it to a target.
 //!
 //! ```text
 //! steady(q) ─► twists      bend(q, twists) ─► twists, until they stand still      reach(q, twists) ─► pose
 //! ```
-//! Where nothing depends on how the arm stands under gravity, `steady` is a part of `reach` and `bend` is left out.
+//! Where nothing depends on the arm's deflection under gravity, `steady` is a part of `reach` and `bend` is left out.
 
 use crate::effects::{Action, Averaged, Bump, Curve, Driver, Effects, Input, Model, Term};
 use crate::geometry::{Frame, Triple, Twist, is_zero, number, triple, zeros};
@@ -14,16 +14,16 @@ use denavit_model::{AxisLine, Screw};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-/// Passes after which an arm that bends under its weight is taken to stand.
+/// Passes after which the deflection of an arm under its weight counts as converged.
 pub const MOST_PASSES: usize = 6;
 /// A change between two passes of this size (rad, m) moves no instrument.
 pub const STILL: f64 = 1e-7;
-/// Orientation weighs as this lever (share of the robot's size) where a pose is out of reach.
+/// Orientation is weighted with this lever (fraction of the robot's size) where a pose is out of reach.
 const LEVER: f64 = 0.1;
-/// The same for fewer than six coordinates, which can never correct both: place goes first.
+/// The same for fewer than six coordinates, which cannot correct both: position has priority.
 const LEVER_OF_FEW: f64 = 0.01;
 
-/// A function of straight lines.
+/// A function of assignments.
 #[derive(Debug)]
 pub struct Part {
     pub statements: Vec<Statement>,
@@ -33,9 +33,9 @@ pub struct Part {
 /// Effects as functions.
 #[derive(Debug)]
 pub struct Correction {
-    /// The twists that do not depend on how the arm stands; none where `reach` computes them by itself.
+    /// The twists that do not depend on the deflection; `None` where `reach` computes them itself.
     pub steady: Option<Part>,
-    /// The twists of an arm that has given way by `t`.
+    /// The twists of an arm that has deflected by `t`.
     pub bend: Option<Part>,
     /// How many passes of `bend` there are at most.
     pub passes: usize,
@@ -43,7 +43,7 @@ pub struct Correction {
     pub reach: Part,
     /// How many twists' components there are.
     pub twists: usize,
-    /// Numbers that the functions look up.
+    /// Tables of the functions.
     pub tables: Vec<Table>,
     /// Length of the rows of z.
     pub numbers: usize,
@@ -51,7 +51,7 @@ pub struct Correction {
     pub step: Part,
 }
 
-/// What is known of an arm in one posture.
+/// The state of an arm in one posture.
 struct Standing {
     before: Vec<Frame>,
     after: Vec<Frame>,
@@ -76,7 +76,7 @@ fn line(screw: &Screw) -> Option<&AxisLine> {
 }
 
 impl Driver {
-    /// Whether its values depend on how far the arm has given way.
+    /// Whether its values depend on the deflection.
     fn feels_gravity(&self) -> bool {
         matches!(
             self,
@@ -91,7 +91,7 @@ impl Driver {
         )
     }
 
-    /// Whether they depend on how the arm stands.
+    /// Whether they depend on the deflection.
     fn needs_posture(&self) -> bool {
         self.feels_gravity() || matches!(self, Self::GravitySide(_) | Self::FrictionSide(..) | Self::LoadedSide(..))
     }
@@ -411,7 +411,7 @@ impl<'a> Lowering<'a> {
         turn.into_iter().chain(shift).collect()
     }
 
-    /// What a set of effects does to the arm, added to `twists`.
+    /// Adds the contributions of a set of effects to `twists`.
     fn act(&mut self, twists: &mut [Twist], standing: Option<&(Standing, Loads)>, which: impl Fn(&Driver) -> bool) {
         let model = self.model;
         // Of each component all that adds to it.
@@ -527,7 +527,7 @@ impl Correction {
             let standing = lowering.standing(&given);
             let loads = lowering.loads(&standing);
             let mut twists = lowering.named("steady", &places);
-            // Where only the posture's effects act, what is steady is 0.
+            // Where only effects of the posture act, the steady part is 0.
             lowering.act(&mut twists, Some(&(standing, loads)), Driver::needs_posture);
             bend = Some(lowering.part(places.iter().map(|(slot, row)| twists[*slot][*row].clone()).collect()));
         }
@@ -556,7 +556,7 @@ impl Correction {
     }
 }
 
-/// The components of twists that anything acts on.
+/// The components of twists that some effect changes.
 fn acted_on(steady: &[Twist], model: &Model) -> Vec<(usize, usize)> {
     let mut places = BTreeSet::new();
     for (slot, twist) in steady.iter().enumerate() {
@@ -674,7 +674,7 @@ impl Lowering<'_> {
         [self.sheet.times(&share, &rest), drawn]
     }
 
-    /// What is read too far of what stands at `p`, by an instrument's metre and along its line of sight.
+    /// The reading error of a target at `p`, by an instrument's scale and along its line of sight.
     fn by_instrument(
         &mut self,
         averaged: &Averaged,
@@ -701,7 +701,7 @@ impl Lowering<'_> {
         beyond
     }
 
-    /// Where the target is read, base frame of the averaged robot.
+    /// The reading of the target, base frame of the averaged robot.
     fn read_of_target(&mut self, averaged: &Averaged, values: &[Vec<Value>], robot: &Standing, p: &Triple) -> Triple {
         let (mut target, mut scale, mut turning, mut steady) = (zeros(), Value::ZERO, zeros(), Value::ZERO);
         for (term, values) in self.model.terms.iter().zip(values) {
@@ -725,7 +725,7 @@ impl Lowering<'_> {
         self.sheet.add(&read, &beyond)
     }
 
-    /// How the target is read elsewhere by each coefficient.
+    /// Derivative of the target's reading by each coefficient.
     fn numbers(&mut self, averaged: &Averaged, values: &[Vec<Value>], robot: &Standing, p: &Triple) -> Vec<Triple> {
         let model = self.model;
         let mut numbers = Vec::new();
@@ -850,7 +850,7 @@ fn mixed(sheet: &mut Sheet, share: &Value, [first, second]: [&Value; 2], apart: 
     sheet.sum(&[(share, first), (&rest, second), (&both, apart)])
 }
 
-/// The step that least squares want, and how far the tip is off.
+/// The least-squares step, and the error of the tip.
 fn step(effects: &Effects, tiny: f64, damping: f64) -> Part {
     let mut sheet = Sheet::default();
     let n = effects.chain.coordinates().len();

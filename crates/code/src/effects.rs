@@ -1,6 +1,6 @@
-//! Effects that geometry lacks, as plain data: what code needs of a calibration.
+//! Non-geometric effects as plain data: the part of a calibration that code needs.
 //!
-//! Whoever has a calibration fills this in; nothing here knows how one is made. Joints are counted from 0, base to tip; twists are `[omega; v]`
+//! The caller fills this in from a calibration. Joints are counted from 0, base to tip; twists are `[omega; v]`
 //! (rad, m) in the base frame with every joint value 0; twist i acts before joint i's motion, the last one on the tip.
 
 use crate::render::posture;
@@ -12,17 +12,17 @@ use denavit_model::{Chain, ChainJoint, Pose};
 pub struct Effects {
     /// The robot that they correct.
     pub chain: Chain,
-    /// What the code is told when it runs, beside joint values.
+    /// Inputs of the code at run time, in addition to joint values.
     pub arguments: Vec<Argument>,
     /// What acts.
     pub model: Model,
     /// Where `model` is that of an averaged prediction: what it is blended with.
     pub averaged: Option<Averaged>,
-    /// What the code is tested by.
+    /// Test cases of the code.
     pub cases: Vec<Case>,
 }
 
-/// A quantity that the code is told when it runs.
+/// An input of the code at run time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Argument {
     /// Such as `temperature`.
@@ -49,13 +49,13 @@ pub struct Model {
     pub joints: Vec<ChainJoint>,
     /// base_from_tip of these joints with every joint value 0.
     pub home: Pose,
-    /// The joints by whose values drivers go.
+    /// The joints whose values the drivers use.
     pub read: Vec<ChainJoint>,
     /// The effects.
     pub terms: Vec<Term>,
     /// Error curves of joints.
     pub curves: Vec<Curve>,
-    /// What gravity acts on.
+    /// The masses that gravity acts on.
     pub masses: Masses,
 }
 
@@ -106,9 +106,9 @@ pub enum Action {
     },
     /// The target on the tip, tip frame, m.
     Target(Vector3<f64>),
-    /// The instrument's metre.
+    /// The instrument's scale.
     Scale,
-    /// What is read too far along the line of sight: by how the target is turned (tip frame, m), and from every side (m).
+    /// Reading error along the line of sight: by the target's orientation (tip frame, m), and from every side (m).
     Sight(Vector3<f64>, f64),
 }
 
@@ -132,7 +132,7 @@ pub enum Bump {
     Wave,
 }
 
-/// What drives an effect.
+/// The driver of an effect.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Driver {
     /// Values that are always the same.
@@ -188,7 +188,7 @@ pub enum Driver {
     FrictionSide(usize, Input, f64),
     /// The side of approach times the size of gravity's torque.
     LoadedSide(usize, Input),
-    /// What is told, each times a factor.
+    /// Arguments, each times a factor.
     Told(Vec<(f64, Input)>),
     /// 1 - exp(-(value - from)/constant).
     Decay {
@@ -216,7 +216,7 @@ pub struct Curve {
     pub weights: Vec<f64>,
 }
 
-/// What an averaged prediction is blended with, and how unsure each is.
+/// What an averaged prediction is blended with, and the uncertainty of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Averaged {
     /// Joints of the robot with its geometry alone.
@@ -231,7 +231,7 @@ pub struct Averaged {
     pub target: Vector3<f64>,
     /// instrument_from_base, where there is one.
     pub instrument: Option<Pose>,
-    /// How unsure everything is, and geometry where it acts alone.
+    /// Uncertainty of the full model, and of geometry alone.
     pub spreads: [Spread; 2],
     /// Variance of any curve beyond its interval, rad² or m².
     pub of_curves: f64,
@@ -257,7 +257,7 @@ pub struct Spread {
     pub covariance: DMatrix<f64>,
 }
 
-/// Postures that tell whether effects are written well: from the limits of the joints, then from `ranges`, rad or m.
+/// Postures for testing the written effects: from the limits of the joints, then from `ranges`, rad or m.
 pub fn postures(chain: &Chain, ranges: Option<&[(f64, f64)]>) -> Vec<Vec<f64>> {
     let limits: Vec<(f64, f64)> = chain.coordinates().iter().map(denavit_model::Coordinate::range).collect();
     let of = |ranges: &[(f64, f64)], index: usize| posture(ranges, index);

@@ -1,4 +1,4 @@
-//! What the written functions compute, before they are written.
+//! Evaluates the functions before they are written.
 
 use crate::correction::{Correction, Part, STILL};
 use crate::effects::Case;
@@ -14,7 +14,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// How far from a case's pose the functions are, m or rad.
+    /// Error of the functions at a case's pose, m or rad.
     pub fn off(correction: &Correction, case: &Case) -> f64 {
         let wanted = case.pose.to_homogeneous();
         let found = Self::pose(correction, &case.q, &case.given);

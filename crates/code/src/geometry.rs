@@ -1,4 +1,4 @@
-//! Vectors, poses and twists of values that are known when the code runs.
+//! Vectors, poses and twists of run-time values.
 
 use crate::program::{Function, Sheet, Value};
 use denavit_model::nalgebra::{Vector3, Vector6};

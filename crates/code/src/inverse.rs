@@ -1,9 +1,9 @@
-//! Inverse kinematics in closed form: which arms have one, and the constants that the code takes.
+//! Inverse kinematics in closed form: which arms have one, and the constants of the code.
 
 use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::{Chain, Pose, Screw};
 
-/// Axes count as parallel, and as meeting, within this, rad or share of the arm's size: what is written out is exact, so that a
+/// Axes count as parallel, and as meeting, within this, rad or share of the arm's size: the written code is exact, so a
 /// calibrated arm has no closed form.
 const EXACT: f64 = 1e-9;
 /// Axes that enclose a smaller angle, rad, leave a subproblem without a solution.
@@ -46,19 +46,19 @@ impl Inverse {
             joint.coordinate == index && joint.scale == 1.0 && joint.offset == 0.0
         };
         if chain.joints().len() != 6 || chain.coordinates().len() != 6 || !chain.joints().iter().enumerate().all(own) {
-            return Err("it has not six joints, each with a coordinate of its own");
+            return Err("it does not have six joints, each with its own coordinate");
         }
         let mut axes = [Vector3::zeros(); 6];
         let mut points = [Vector3::zeros(); 6];
         for (index, joint) in chain.joints().iter().enumerate() {
-            let Screw::Revolute(line) = &joint.screw else { return Err("a joint of it does not turn alone") };
+            let Screw::Revolute(line) = &joint.screw else { return Err("one of its joints is not purely revolute") };
             (axes[index], points[index]) = (line.direction.into_inner(), line.point.coords);
         }
         let size = chain.size();
         let crossed = |a: usize, b: usize| axes[a].cross(&axes[b]).norm();
         let is_parallel = |a: usize, b: usize| crossed(a, b) < EXACT;
         if !is_parallel(1, 2) || crossed(0, 1) < APART || crossed(4, 5) < APART || crossed(3, 4) < APART {
-            return Err("its axes 2 and 3 are not exactly parallel, or neighbours of them are");
+            return Err("its axes 2 and 3 are not exactly parallel, or other neighbouring axes are");
         }
         let centre = meeting(&axes, &points, 4, 5, size).ok_or("its axes 5 and 6 do not meet in a point")?;
         let to_fourth = axes[3].cross(&(centre - points[3])).norm();
@@ -67,7 +67,7 @@ impl Inverse {
         } else if is_parallel(1, 3) {
             Class::ThreeParallel
         } else {
-            return Err("neither do its axes 4, 5 and 6 meet in a point, nor are 2, 3 and 4 exactly parallel");
+            return Err("its axes 4, 5 and 6 do not meet in a point, and axes 2, 3 and 4 are not exactly parallel");
         };
         let reach = match class {
             Class::SphericalWrist => centre,
@@ -75,7 +75,7 @@ impl Inverse {
         };
         let across = |from: Vector3<f64>, to: Vector3<f64>| axes[1].cross(&(to - from)).norm();
         if across(points[1], points[2]) < APART * size || across(points[2], reach) < APART * size {
-            return Err("its elbow has no length");
+            return Err("one of its two long links has no length");
         }
         let around = if class == Class::SphericalWrist { axes[5] } else { axes[1] };
         // The unit vector least along the axis, without its part along it.

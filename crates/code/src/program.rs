@@ -109,7 +109,7 @@ pub enum Statement {
     },
 }
 
-/// What is no sum of products.
+/// A function that is not a sum of products.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Function {
     Sine,
@@ -196,7 +196,7 @@ impl Value {
     pub const ZERO: Self = Self::Number(0.0);
     pub const ONE: Self = Self::Number(1.0);
 
-    /// Something that has a name already.
+    /// A value that already has a name.
     pub fn named(name: impl Into<String>) -> Self {
         Self::Name { negative: false, name: name.into() }
     }
@@ -510,7 +510,7 @@ impl Sheet {
     }
 }
 
-/// A sum's terms as one text, the same in whatever order they stand; with every sign turned where it is asked for.
+/// A sum's terms as one text, independent of their order; with every sign reversed on request.
 fn key(terms: &[Term], negated: bool) -> String {
     let mut texts: Vec<String> = terms
         .iter()
@@ -524,7 +524,7 @@ fn key(terms: &[Term], negated: bool) -> String {
     texts.concat()
 }
 
-/// The statements that the outputs need, in order: nothing is computed that is not read.
+/// The statements that the outputs need, in order, without unused ones.
 pub fn needed<'a>(statements: &[&'a Statement], outputs: &[&Value]) -> Vec<&'a Statement> {
     let mut wanted: std::collections::BTreeSet<&str> = outputs.iter().filter_map(|value| value.name()).collect();
     let mut kept = Vec::new();

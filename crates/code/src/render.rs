@@ -61,18 +61,18 @@ pub struct Options {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CodeError {
-    /// The table stands for no chain.
+    /// The table does not describe a chain.
     #[error(transparent)]
     Chain(#[from] denavit_model::ChainError),
     /// Nothing moves.
     #[error("nothing moves between \"{0}\" and \"{1}\"; choose another base and tip")]
     NothingMoves(String, String),
-    /// What is written computes something else than the effects that it is made of.
+    /// The written code does not reproduce the effects that it was made from.
     #[error(
-        "the code would miss the effects' own prediction by {0:.1e} m or rad; nothing is written; report this as a mistake of denavit"
+        "the code would miss the effects' own prediction by {0:.1e} m or rad; nothing is written; please report this bug"
     )]
     Disagrees(f64),
-    /// The template does not take the program.
+    /// The template cannot be filled in.
     #[error("the code could not be filled in: {0}")]
     Template(String),
 }
@@ -286,7 +286,7 @@ fn multiplications(statements: &[&Statement]) -> usize {
         .sum()
 }
 
-/// A name that is one in every language.
+/// A name that is valid in every language.
 fn identifier(name: &str) -> String {
     let letters: String = name
         .chars()
@@ -411,7 +411,7 @@ impl Writer {
 
     pub fn sum(&self, terms: &[Term]) -> String {
         match (self.options.language, self.lanes) {
-            // rustc, unlike gcc, never rounds a product and a sum once of its own accord.
+            // rustc, unlike gcc, never fuses a product and a sum by itself.
             (Language::Rust, Some(_)) => self.multiply_adds(terms),
             _ => self.plain_sum(terms.iter()),
         }

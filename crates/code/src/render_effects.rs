@@ -13,14 +13,14 @@ use serde::Serialize;
 const STEPS: usize = 30;
 /// The longest step of a joint value, rad or m.
 const LONGEST: f64 = 0.5;
-/// Joint values that the self-test starts from are off by so much, rad or m.
+/// Error of the joint values at which the self-test starts, rad or m.
 const BESIDE: f64 = 0.01;
 /// The code agrees with the effects' own prediction within this, m or rad, or is not written.
 const AGREES: f64 = 1e-9;
 /// Numbers in a line of a table.
 const IN_A_LINE: usize = 8;
 
-/// What the language's template takes.
+/// The values for the language's template.
 #[derive(Serialize)]
 pub struct Shown {
     /// In MATLAB what the head of the file says.
@@ -169,7 +169,7 @@ impl Shown {
 }
 
 impl Writer {
-    /// A statement that geometry has none of, as lines.
+    /// A statement that occurs only with effects, as lines.
     pub fn line_of_effects(&self, statement: &Statement) -> Vec<String> {
         let language = self.options.language;
         let prefix = &self.prefix;

@@ -1,12 +1,12 @@
-//! A covariance as the squares of some sums: what is unsure of z is Σ (row · z)².
+//! A covariance as the squares of some sums: the variance for z is Σ (row · z)².
 
 use crate::effects::Spread;
 use denavit_model::nalgebra::DMatrix;
 
-/// What the numbers before leave of a variance is nothing below this share of it.
+/// A remaining variance below this fraction of the original counts as 0.
 const NOTHING: f64 = 1e-13;
 
-/// Numbers that a function looks up.
+/// A table of a function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub name: String,

@@ -351,7 +351,7 @@ fn arms_with_a_closed_form_have_inverse_kinematics_and_others_say_why_not() {
         assert!(with.iter().any(|it| it == name), "{name} is not among {with:?}");
     }
     let text = code(&of(&examples::scara_helical(), NearParallel::Dh), options).unwrap();
-    assert!(text.contains("No inverse kinematics in closed form: it has not six joints"), "{text}");
+    assert!(text.contains("No inverse kinematics in closed form: it does not have six joints"), "{text}");
 }
 
 #[test]

@@ -1,12 +1,12 @@
-//! Robots of two formats: what only one of the formats can say is no difference between the robots, and is said.
+//! Robots in two formats: what only one format can express is not a difference between the robots; notes list it.
 
 use crate::mechanism::Mechanism;
 use denavit_model::Robot;
 use denavit_model::formats::Format;
 use denavit_model::robot::Geometry;
 
-/// Takes out of both what one of the two formats, or one that they went through, has no word for; what was taken, a line for
-/// each kind and side.
+/// Removes from both what one of the two formats, or an intermediate one, cannot express; returns a line for each
+/// kind and side.
 pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: Option<Format>) -> Vec<String> {
     let mut notes = Vec::new();
     let formats: Vec<Format> = [a.0.source.format(), b.0.source.format()].into_iter().chain(through).collect();
@@ -17,13 +17,13 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: 
         let mut taken = |count: usize, what: &str| {
             if count > 0 {
                 notes.push(format!(
-                    "{}: {count} {what} not compared: {} has no word for it",
+                    "{}: {count} {what} not compared: {} cannot express it",
                     robot.source.file,
                     other.name()
                 ));
             }
         };
-        taken(robot.source.kept().len(), "thing(s) that only its format says");
+        taken(robot.source.kept().len(), "element(s) that only its format can express");
         taken(mechanism.elements.len(), "further element(s)");
         mechanism.elements.clear();
         let mut counts = [0; 5];
@@ -50,9 +50,9 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: 
         for (count, what) in counts.into_iter().zip([
             "soft limits",
             "calibration(s)",
-            "range(s) without effect",
+            "ineffective range(s)",
             "velocity limits",
-            "range(s) without room",
+            "empty range(s)",
         ]) {
             taken(count, what);
         }
@@ -75,7 +75,7 @@ pub fn level(a: (&Robot, &mut Mechanism), b: (&Robot, &mut Mechanism), through: 
     notes
 }
 
-/// Whether MuJoCo has such a shape: a mesh of a kind that it reads, or a solid of some size.
+/// Whether MuJoCo supports the shape: a mesh format that it reads, or a solid of nonzero size.
 fn in_mjcf(geometry: &Geometry) -> bool {
     match geometry {
         Geometry::Mesh { filename, .. } => {

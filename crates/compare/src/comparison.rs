@@ -1,4 +1,4 @@
-//! What a comparison found, as plain values.
+//! The result of a comparison, as plain values.
 
 use crate::words::{self, Signed};
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub struct Comparison {
     pub tips: Vec<TipDifference>,
     /// Joints and links that only one of the two has, and what they carry.
     pub parts: Vec<PartDifference>,
-    /// What is otherwise without effect on motion: renamed, re-placed.
+    /// Notes on changes without effect on motion: renamed, moved frames.
     pub notes: Vec<String>,
 }
 
@@ -53,7 +53,7 @@ pub struct Comparison {
 pub struct JointDifference {
     /// Its name in a.
     pub joint: String,
-    /// Its name in b, where that is another.
+    /// Its name in b, if it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub renamed: Option<String>,
     /// Line of its element in b's file.
@@ -69,7 +69,7 @@ pub struct Change {
     /// What.
     #[serde(flatten)]
     pub what: JointChange,
-    /// `false` where an option says that it does not matter.
+    /// `false` if an option ignores it.
     pub counts: bool,
 }
 
@@ -78,31 +78,31 @@ pub struct Change {
 #[serde(tag = "change", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JointChange {
-    /// The axis points elsewhere.
+    /// The axis has another direction.
     AxisTurned {
         /// Angle between old and new direction.
         rad: f64,
     },
-    /// The axis runs elsewhere.
+    /// The axis is displaced.
     AxisMoved {
-        /// Distance between old and new line beside the joint.
+        /// Distance between old and new line near the joint.
         m: f64,
     },
-    /// What the joint carries sits further along the axis.
+    /// The child is displaced along the axis.
     SlidAlongAxis {
         /// In the axis' direction.
         m: f64,
     },
-    /// What the joint carries is turned about (revolute) or moved along (prismatic) the axis at joint value 0.
+    /// At joint value 0 the child is turned about (revolute) or moved along (prismatic) the axis.
     ZeroShifted {
         /// rad, or m for a prismatic joint.
         by: f64,
         /// `rad` or `m`.
         unit: &'static str,
     },
-    /// Positive is the other way.
+    /// The positive direction is reversed.
     SenseReversed,
-    /// What the joint carries sits otherwise on it, beyond what the changes of the axis explain.
+    /// The child is displaced on the joint, beyond the changes of the axis.
     LinkMoved {
         /// Turned by.
         rad: f64,
@@ -148,7 +148,7 @@ pub enum JointChange {
         /// In b.
         to: String,
     },
-    /// It follows another joint, or otherwise.
+    /// The driver, multiplier or offset of the mimic changed.
     MimicChanged {
         /// In a.
         from: String,
@@ -182,7 +182,7 @@ impl fmt::Display for JointChange {
             Self::ZeroShifted { by, .. } => write!(f, "zero shifted by {}", Signed(&words::angle(by.abs()), *by)),
             Self::SenseReversed => write!(f, "sense reversed"),
             Self::LinkMoved { rad, m } => {
-                write!(f, "its link sits otherwise on it: {}", words::displacement((*rad, *m), 0.0, 0.0))
+                write!(f, "its link is displaced on it: {}", words::displacement((*rad, *m), 0.0, 0.0))
             }
             Self::PitchChanged { from, to } => {
                 write!(f, "pitch {} to {} per rad", words::length(*from), words::length(*to))
@@ -237,7 +237,7 @@ pub struct PartDifference {
     /// Line of its element in b's file, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<usize>,
-    /// `false` where an option says that it does not matter.
+    /// `false` if an option ignores it.
     pub counts: bool,
     /// The link, where it is one.
     #[serde(skip)]
@@ -253,13 +253,13 @@ pub enum PartKind {
     Frame,
     /// Mass, centre of mass, inertia tensor.
     Inertial,
-    /// Something seen.
+    /// A visual shape.
     Visual,
-    /// Something that collides.
+    /// A collision shape.
     Collision,
     /// A name.
     Name,
-    /// An element beside links and joints, or of them: a transmission, a simulator's settings, calibration.
+    /// An element other than links and joints, or inside them: a transmission, a simulator's settings, calibration.
     Element,
 }
 

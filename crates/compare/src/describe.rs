@@ -1,8 +1,8 @@
-//! A robot line by line: everything that a comparison looks at, for `git diff` to compare.
+//! A robot line by line: everything that a comparison looks at, as input for `git diff`.
 //!
-//! Lines stand in the order of names, numbers are rounded far below the comparison's tolerances, and what moves is given
-//! in the root link's frame with every joint value 0: two ways to write one robot down give the same lines, but for the
-//! places of link frames, which stand in a part of their own.
+//! Lines are sorted by name, numbers are rounded far below the comparison's tolerances, and what moves is given
+//! in the root link's frame with every joint value 0: two descriptions of one robot give the same lines, except for
+//! the poses of link frames, which are in a separate part.
 
 use crate::mechanism::{Body, Mechanism, MovingJoint, PartPlace, Role};
 use crate::subject::Subject;
@@ -87,8 +87,7 @@ fn joint(out: &mut String, mechanism: &Mechanism, index: usize) {
         let _ = writeln!(out, "  lower {} upper {}", number(lower), number(upper));
     }
     if let Some((lower, upper)) = idle_range {
-        let _ =
-            writeln!(out, "  stated, though it turns without end: lower {} upper {}", number(*lower), number(*upper));
+        let _ = writeln!(out, "  stated although continuous: lower {} upper {}", number(*lower), number(*upper));
     }
     if let Some(sensor) = calibration {
         let (rising, falling) = (bound(sensor.rising), bound(sensor.falling));
@@ -119,7 +118,7 @@ fn joint(out: &mut String, mechanism: &Mechanism, index: usize) {
     body(out, "carries", &mechanism.bodies[index + 1]);
 }
 
-/// Links that move as one, and what they weigh and show.
+/// Links that form one body, with their masses and shapes.
 fn body(out: &mut String, word: &str, body: &Body) {
     let mut links: Vec<String> = body.frames.iter().map(|frame| format!("\"{}\"", frame.link)).collect();
     links.sort();
@@ -173,7 +172,7 @@ fn axis(screw: &Screw) -> String {
     }
 }
 
-/// Where something is, and where its x and z axes point: no angle that could jump by a turn.
+/// Position and the directions of the x and z axes: unlike angles, these cannot jump by a turn.
 fn placed(pose: &Pose) -> String {
     let axis = |unit: &Vector3<f64>| vector(&(pose.rotation * unit));
     format!("at {} x {} z {}", vector(&pose.translation.vector), axis(&Vector3::x()), axis(&Vector3::z()))
@@ -193,7 +192,7 @@ fn place(x: f64) -> String {
     if short == "-0" { "0".to_owned() } else { short.to_owned() }
 }
 
-/// A number as it is stated, without the last digits that arithmetic leaves.
+/// A stated number, without the last digits, which come from arithmetic.
 fn number(x: f64) -> String {
     let rounded: f64 = format!("{x:.11e}").parse().unwrap_or(x);
     (rounded + 0.0).to_string()

@@ -1,4 +1,4 @@
-//! Is it still the same robot? Everything that changed between two of them, and how far it displaces the tips.
+//! Compares two robots: everything that changed, and how far this displaces the tips.
 
 mod alignment;
 mod bound;
@@ -26,9 +26,9 @@ use steps::{Space, TipPath};
 
 /// Compares `b` with the reference `a`.
 ///
-/// Joints are paired by name, and by geometry where renamed. What moves is compared without regard to link frames:
+/// Joints are paired by name, and by geometry where renamed. Movement is compared independent of link frames:
 /// axes relative to the link that carries them, masses and shapes relative to the joint that carries them. The root
-/// link's frame stands for the floor and counts, unless [`Options::up_to_base`].
+/// link's frame represents the floor and counts, unless [`Options::up_to_base`].
 ///
 /// Where one side is a bare chain and the other a tree, the tree's default chain is compared.
 ///
@@ -75,7 +75,7 @@ pub fn compare(a: &Subject, b: &Subject, options: &Options) -> Result<Comparison
     Ok(comparison)
 }
 
-/// What either file says that has no part in the comparison but as a text: what is not understood, closed loops.
+/// Parts of either file that are compared only as text: what is not understood, closed loops.
 fn not_understood(a: &Subject, b: &Subject) -> Vec<String> {
     let of = |subject: &Subject| -> Vec<(String, String)> {
         let Subject::Robot(robot) = subject else { return Vec::new() };
@@ -95,7 +95,7 @@ fn not_understood(a: &Subject, b: &Subject) -> Vec<String> {
     [both, only(&in_a, &in_b), only(&in_b, &in_a)].concat()
 }
 
-/// An alignment and the differences that it leaves.
+/// An alignment and the remaining differences.
 struct Found {
     at: Alignment,
     joints: Vec<Vec<Change>>,
@@ -104,7 +104,7 @@ struct Found {
 }
 
 impl Found {
-    /// With the base as it is, or as it must be for the fewest differences.
+    /// With the given base, or with the base that gives the fewest differences.
     fn best(a: &Mechanism, b: &Mechanism, options: &Options) -> Self {
         let first = Self::under(a, b, Pose::identity(), options);
         if !options.up_to_base {

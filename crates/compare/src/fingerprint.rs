@@ -1,22 +1,23 @@
-//! A short hash that says "the same robot" in CI: the same for every way to write the robot down.
+//! A short hash that identifies a robot in CI, independent of how its file is written.
 //!
-//! Hashed are screw axes, their kinds, pitches, limits and couplings, empty leaf frames, and apart from these what the
-//! links weigh and show and what controllers and simulators are told - all in the root link's frame at zero, so that link frames, the order of elements and the
-//! spelling of numbers are not in it. Names are not in it either; where the robot stands on its root link is.
+//! The first hash covers screw axes, their kinds, pitches, limits and couplings, and empty leaf frames; the second covers
+//! masses, shapes, and controller and simulator settings. All are in the root link's frame at zero, so link frames, the
+//! order of elements and the spelling of numbers have no effect. Names have no effect either; the pose of the robot on
+//! its root link has.
 //!
 //! **Rounding.** A number x becomes its cell floor(x / grid + offset). The grid is tolerance / √3, for
 //! matrices tolerance / 3: a vector or matrix that changes by the tolerance or more has a component that changes its
-//! cell, so the hash changes. The offset puts the
-//! borders of the cells where no number lies that people write. Still, a number may come to lie within 1e-4 of a cell
-//! from a border, and then another computer may see it on the other side: for each such number both cells are hashed,
+//! cell, so the hash changes. The offset keeps the
+//! borders of the cells away from numbers that people write. Still, a number may be within 1e-4 of a cell
+//! from a border, and then another computer may put it on the other side: for each such number both cells are hashed,
 //! and [`Fingerprint::matches`] accepts either. Equal robots thus match on every platform, robots a tolerance apart
-//! never do (but for the 2⁻⁴⁸ of the hash).
+//! never do (except with probability 2⁻⁴⁸ of the hash).
 //!
-//! **Fingerprints and diff.** What [`crate::compare`] looks at at the same tolerance is hashed, and nothing else. Robots
+//! **Fingerprints and diff.** The hash covers exactly what [`crate::compare`] compares, at the same tolerance. Robots
 //! whose numbers differ by no more than 1e-4 of a cell - rounding, another notation, another choice of link frames - have
 //! matching fingerprints. Between that and the tolerance a number may have crossed a border of its cell: then the
-//! fingerprints differ although diff says "the same", and diff is right. No hash can do better, as a row of robots, each
-//! within the tolerance of the next, would else have one hash from end to end.
+//! fingerprints differ although diff says "the same", and diff is right. No hash can do better: otherwise a series of robots, each
+//! within the tolerance of the next, would have the same hash from end to end.
 
 mod cells;
 mod digest;
@@ -30,7 +31,7 @@ use serde::Serialize;
 use std::fmt;
 use thiserror::Error;
 
-/// Two hashes: of what moves how, and of what it weighs and shows.
+/// Two hashes: of the motion, and of masses, shapes and settings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fingerprint {
     /// m, rad, and relative for masses.
@@ -39,10 +40,10 @@ pub struct Fingerprint {
     pub motion: String,
     /// Of masses, shapes, speeds, efforts, damping, friction, soft limits, transmissions and settings; twelve hexadecimal digits.
     pub matter: String,
-    /// What `motion` is if numbers beside a cell's border fall on its other side.
+    /// Values of `motion` if numbers near a cell border fall on its other side.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_motions: Vec<String>,
-    /// What `matter` is if numbers beside a cell's border fall on its other side.
+    /// Values of `matter` if numbers near a cell border fall on its other side.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_matters: Vec<String>,
 }
@@ -79,17 +80,18 @@ pub fn fingerprint_as(subject: &Subject, tolerance: f64, reading: Reading) -> Fi
     Fingerprint { tolerance, motion, matter, other_motions, other_matters }
 }
 
-/// Why a text is no fingerprint that can be compared.
+/// Why a text is not a comparable fingerprint.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FingerprintError {
     /// Not five fields between hyphens, the last two of hexadecimal digits.
     #[error(
-        "\"{0}\" is no fingerprint; it reads like d3-1e-6-98f2c1a0b3d4-55e01f7a9c22, as `denavit fingerprint` prints it"
+        "\"{0}\" is not a fingerprint; it looks like d3-1e-6-98f2c1a0b3d4-55e01f7a9c22, as `denavit fingerprint` \
+         prints it"
     )]
     NotAFingerprint(String),
-    /// Another version hashed other things.
-    #[error("\"{written}\" is of format {format}, and this version hashes more: {FORMAT}; take the fingerprint anew")]
+    /// Another version, which hashed other things.
+    #[error("\"{written}\" is of format {format}, but this version uses {FORMAT}; make a new fingerprint")]
     OtherFormat {
         /// The text.
         written: String,
@@ -110,7 +112,7 @@ impl Fingerprint {
     /// Whether a text can be compared with this fingerprint at all.
     ///
     /// # Errors
-    /// It is no fingerprint, or one of another format or tolerance.
+    /// It is not a fingerprint, or has another format or tolerance.
     pub fn comparable(&self, written: &str) -> Result<(), FingerprintError> {
         let text = written.trim();
         let not = || FingerprintError::NotAFingerprint(text.to_owned());
@@ -131,14 +133,14 @@ impl Fingerprint {
         Ok(())
     }
 
-    /// Whether a fingerprint that was written down is that of this robot.
+    /// Whether a stored fingerprint is that of this robot.
     pub fn matches(&self, written: &str) -> bool {
         let Some((head, matter)) = written.trim().rsplit_once('-') else { return false };
         self.is_of(head, |motion| self.has_motion(motion))
             && (matter == self.matter || self.other_matters.iter().any(|other| other == matter))
     }
 
-    /// Whether a fingerprint that was written down is that of a robot that moves as this one, whatever it weighs.
+    /// Whether a stored fingerprint is that of a robot with the same motion, whatever its masses.
     pub fn moves_as(&self, written: &str) -> bool {
         written.trim().rsplit_once('-').is_some_and(|(head, _)| self.is_of(head, |motion| self.has_motion(motion)))
     }

@@ -1,11 +1,11 @@
-//! Is it still the same robot? Differences with bounds, fingerprints, and rules for URDF files.
+//! Differences between robots with bounds, fingerprints, and rules for URDF files.
 //!
 //! ```text
 //! a, b ──► Mechanism (no link frames) ──► Comparison ──► text · json · junit · sarif · github · markdown · badge
 //! a    ──► Mechanism ──► Fingerprint
-//! text ──► RULES ──► findings ──► the same reports, or the text with what is certain fixed
+//! text ──► RULES ──► findings ──► the same reports, or the text with certain fixes applied
 //! ```
-//! The crate opens no files; whoever calls it says how a mesh is looked up.
+//! The crate opens no files; the caller provides the lookup of meshes.
 
 mod across;
 pub mod compared;

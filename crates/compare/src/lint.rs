@@ -1,4 +1,4 @@
-//! Rules that users meet in real URDF files: what is wrong, in which line, and the fix where it is certain.
+//! Rules for defects of real URDF files: what is wrong, in which line, and the fix if it is certain.
 //!
 //! Each rule is a file in `lint/rules/` and a line in [`RULES`]; the documentation, `--explain` and the tests walk that
 //! list.
@@ -22,20 +22,20 @@ use crate::report::Level;
 use denavit_model::{Place, Robot, urdf};
 use finding::Found;
 
-/// A rule: what it looks for, why that matters, and how it looks.
+/// A rule: what it looks for, why that matters, and an example.
 #[derive(Clone, Copy)]
 pub struct Rule {
     /// Its number, such as `D010`.
     pub code: &'static str,
     /// Its name, such as `rounded-pi`.
     pub name: &'static str,
-    /// How serious it is unless the user says otherwise.
+    /// Its level unless the user changes it.
     pub level: Level,
     /// What it finds, a clause.
     pub summary: &'static str,
     /// Why that matters and what to do, a few sentences.
     pub why: &'static str,
-    /// Content of a `<robot>` that it finds fault with.
+    /// Content of a `<robot>` that violates it.
     pub bad: &'static str,
     /// The same, fixed.
     pub good: &'static str,
@@ -50,19 +50,19 @@ impl std::fmt::Debug for Rule {
     }
 }
 
-/// What became of looking up a mesh file.
+/// The result of looking up a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Lookup {
     /// It is there.
     Found,
-    /// It is not; where it was looked for, or what is missing to know where to look.
+    /// It is missing; where it was searched, or why the search was impossible.
     NotFound(String),
-    /// Nor is its package.
+    /// Its package is missing.
     NoPackage {
         /// The package's name.
         package: String,
-        /// Where it was looked for, and what to do.
+        /// Where it was searched, and what to do.
         why: String,
     },
     /// It was not looked up.
@@ -74,9 +74,9 @@ pub fn rule(code_or_name: &str) -> Option<&'static Rule> {
     RULES.iter().find(|rule| rule.code.eq_ignore_ascii_case(code_or_name) || rule.name == code_or_name)
 }
 
-/// Holds a file's text against every rule that `config` does not allow to be broken, in the order of the lines.
+/// Checks a file's text with every rule that `config` does not allow; findings are in the order of the lines.
 ///
-/// `lookup` says of a mesh's file name, as written, whether the file is there. A file that is no URDF yields findings
+/// `lookup` returns whether a mesh's file name, as written, exists. A file that is not a URDF yields findings
 /// that say so.
 ///
 /// # Examples
@@ -91,7 +91,7 @@ pub fn check(file: &str, text: &str, lookup: &dyn Fn(&str) -> Lookup, config: &C
     check_and_read(file, text, lookup, config).0
 }
 
-/// As [`check`], with the robot, whose inventory says what became of everything in the file; `None` if it is not one.
+/// As [`check`], with the robot and its inventory of the file; `None` if the file is not a robot.
 pub fn check_and_read(
     file: &str,
     text: &str,
@@ -109,7 +109,7 @@ pub fn check_and_read(
     (findings, read.ok())
 }
 
-/// Findings of [unreadable](RULES) for what keeps a description in another format from being a robot: places and sentences.
+/// Findings of [unreadable](RULES) for errors in a description in another format: places and sentences.
 pub fn refused(problems: &[(Place, String)], config: &Config) -> Vec<Finding> {
     let rule = &rules::unreadable::RULE;
     let Some(level) = config.level_of(rule) else { return Vec::new() };
@@ -123,7 +123,7 @@ pub fn refused(problems: &[(Place, String)], config: &Config) -> Vec<Finding> {
     problems.iter().map(finding).collect()
 }
 
-/// Whether findings make a check fail: at least one is an error.
+/// Whether a check fails: at least one finding is an error.
 pub fn fails(findings: &[Finding]) -> bool {
     findings.iter().any(|finding| finding.level == Level::Error)
 }

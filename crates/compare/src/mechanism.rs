@@ -1,7 +1,7 @@
-//! A robot without its link frames: what is left is what a comparison may look at.
+//! A robot without its link frames: the basis of comparisons.
 //!
 //! Links joined by fixed joints are one body. Everything is given in the root frame with every joint value 0: screw
-//! axes, shapes, masses, and the link frames as mere marks. Body 0 stands; body k + 1 is carried by joint k.
+//! axes, shapes, masses, and the link frames only as markers. Body 0 is fixed; joint k carries body k + 1.
 
 mod parts;
 mod screws;
@@ -29,12 +29,12 @@ pub struct Mechanism {
     pub bodies: Vec<Body>,
     /// Where joints with coordinates of their own can be.
     pub coordinates: Vec<Interval>,
-    /// A length to measure rounding by, m.
+    /// Reference length for rounding, m.
     pub size: f64,
-    /// Whether it came from a table, which is silent about limits and links.
+    /// Whether it came from a table, which has no links and may lack limits.
     pub bare: bool,
-    /// What the source says beside links and joints, and of links and joints beyond what is understood, by the body
-    /// that it is about.
+    /// Other elements of the source, and parts of links and joints that are not understood, each with the body that it
+    /// refers to.
     pub elements: Vec<PlacedElement>,
 }
 
@@ -47,7 +47,7 @@ pub struct PlacedElement {
     pub kind: String,
     /// Every value by the path to it, but for those of `parts`; see [`denavit_model::Element::entries`].
     pub entries: Vec<(String, String)>,
-    /// What it places, by path.
+    /// Its poses, by path.
     pub parts: Vec<PlacedPart>,
     /// The body of the joint or link that it is about; the root body where it names none.
     pub body: usize,
@@ -55,10 +55,10 @@ pub struct PlacedElement {
     pub at: usize,
 }
 
-/// Something that an element places: a sensor, a light, the point at which a plugin measures.
+/// A pose in an element: of a sensor, of a light, of the point at which a plugin measures.
 #[derive(Debug, Clone)]
 pub struct PlacedPart {
-    /// The path to where the place stands, or would stand.
+    /// The path to the pose, or to where it would be.
     pub path: String,
     /// The body that it moves with.
     pub body: usize,
@@ -75,7 +75,7 @@ pub enum PartPlace {
     Point(Point3<f64>),
     /// Of length 1.
     Direction(Vector3<f64>),
-    /// In the part of the element that it is in, whatever moves.
+    /// Relative to the enclosing part of the element.
     Inside(Pose),
 }
 
@@ -88,7 +88,7 @@ pub struct Interval {
     pub lower: f64,
     /// Highest value.
     pub upper: f64,
-    /// Whether limits in the source make it.
+    /// Whether it comes from limits in the source.
     pub limited: bool,
 }
 
@@ -105,13 +105,13 @@ pub struct MovingJoint {
     pub origin: Point3<f64>,
     /// Index of the joint that carries it; `None` on the root body.
     pub parent: Option<usize>,
-    /// The link behind it.
+    /// Its child link.
     pub child: String,
     /// value = scale · q\[coordinate\] + offset; `None` where it is held at 0 (planar, floating, broken mimic).
     pub drive: Option<Drive>,
-    /// As the source states them; no range where the joint turns without end.
+    /// As in the source; no range for a continuous joint.
     pub limits: Limits,
-    /// The range that the source states although the joint turns without end, rad.
+    /// The range in the source of a continuous joint, rad.
     pub idle_range: Option<(f64, f64)>,
     /// As the source states it: joint, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
@@ -356,7 +356,7 @@ impl Mechanism {
         }
     }
 
-    /// The gauge-free form of a bare chain: its tip link is an empty leaf behind the last joint.
+    /// The gauge-free form of a bare chain: its tip link is an empty leaf after the last joint.
     pub fn of_chain(chain: &Chain) -> Self {
         let coordinates = chain.coordinates().iter().map(|coordinate| {
             let (lower, upper) = coordinate.range();

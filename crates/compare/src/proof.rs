@@ -1,4 +1,4 @@
-//! Two trees, one made of the other, compared name by name: what is the same, and by how much it differs.
+//! Compares two trees, one derived from the other, name by name: what is the same, and by how much it differs.
 
 use denavit_model::placed::PlacedRobot;
 use denavit_model::robot::{Geometry, JointKind};
@@ -7,23 +7,23 @@ use denavit_model::tree::Reading;
 use denavit_model::{Robot, nalgebra::Vector3};
 use std::collections::HashMap;
 
-/// How many random sets of joint values are tried beside the limits.
+/// Number of random sets of joint values in addition to the limits.
 const SAMPLES: usize = 20;
 
 /// Differences up to this, relative to the robot's size, 1 rad, or the largest number of their kind in the robot, are rounding.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What was compared, and how far it is apart.
+/// What was compared, and the differences.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Proof {
     /// A line for each kind of thing: how many, and the largest difference.
     pub lines: Vec<String>,
-    /// What differs by more than rounding, or is on one side alone.
+    /// What differs by more than rounding, or is in only one of the two.
     pub differences: Vec<String>,
 }
 
-/// Holds every link of `a` against the link of its name in `b`: frames at random joint values and at the limits, masses, limits,
-/// couplings, shapes.
+/// Compares every link of `a` with the link of the same name in `b`: frames at random joint values and at the limits,
+/// masses, limits, mimics, shapes.
 ///
 /// # Examples
 /// ```
@@ -116,7 +116,8 @@ fn frames(a: &Robot, b: &Robot, pairs: &[(usize, usize)], proof: &mut Proof) {
         }
     }
     proof.lines.push(format!(
-        "{} frames at {} sets of joint values, limits among them: apart by at most {farthest:.1e} m and {turned:.1e} rad",
+        "{} frames at {} sets of joint values, including the limits: apart by at most {farthest:.1e} m and \
+         {turned:.1e} rad",
         pairs.len(),
         trials.len()
     ));
@@ -139,25 +140,27 @@ fn masses(a: &Robot, b: &Robot, pairs: &[(usize, usize)], proof: &mut Proof) {
             (Some(own), Some(found)) => (own, found),
             (own, found) => {
                 let mass = own.or(found).map_or(0.0, |mass| mass.mass);
-                proof.differences.push(format!("link \"{name}\": a mass of {mass:e} kg is on one side alone"));
+                proof.differences.push(format!("link \"{name}\": a mass of {mass:e} kg is in only one of the two"));
                 continue;
             }
         };
         count += 1;
         let mass = (own.mass - found.mass).abs() / own.mass.abs();
         let centre = (own.centre - base * found.centre).norm();
-        // A tensor of zeros has no size of its own.
+        // A zero tensor has no size.
         let scale = if own.tensor.norm() > 0.0 { own.tensor.norm() } else { 1.0 };
         let tensor = (own.tensor - r * found.tensor * r.transpose()).norm() / scale;
         (heavier, off, turned) = (heavier.max(mass), off.max(centre), turned.max(tensor));
         if mass > ROUNDING || centre > ROUNDING || tensor > ROUNDING {
             proof.differences.push(format!(
-                "link \"{name}\": mass differs by {mass:.1e} of itself, its centre by {centre:.1e} m, its tensor by {tensor:.1e} of itself"
+                "link \"{name}\": mass differs by {mass:.1e} (relative), its centre by {centre:.1e} m, its tensor by \
+                 {tensor:.1e} (relative)"
             ));
         }
     }
     proof.lines.push(format!(
-        "{count} masses: apart by at most {heavier:.1e} of themselves, centres {off:.1e} m, tensors {turned:.1e} of themselves"
+        "{count} masses: differ by at most {heavier:.1e} (relative), centres by {off:.1e} m, tensors by {turned:.1e} \
+         (relative)"
     ));
 }
 
@@ -187,7 +190,7 @@ fn joints(a: &Robot, b: &Robot, proof: &mut Proof) {
                 (None, None) => {}
                 (own, found) => {
                     let value = own.or(found).unwrap_or(0.0);
-                    proof.differences.push(format!("joint \"{name}\": a limit of {value} is on one side alone"));
+                    proof.differences.push(format!("joint \"{name}\": a limit of {value} is in only one of the two"));
                 }
             }
         }
@@ -200,10 +203,10 @@ fn joints(a: &Robot, b: &Robot, proof: &mut Proof) {
             {
                 couplings += 1;
             }
-            _ => proof.differences.push(format!("joint \"{name}\": what it follows is not the same")),
+            _ => proof.differences.push(format!("joint \"{name}\": its mimic is not the same")),
         }
     }
-    proof.lines.push(format!("{limits} limits apart by at most {largest:.1e}, {couplings} couplings the same"));
+    proof.lines.push(format!("{limits} limits differ by at most {largest:.1e}, {couplings} mimics the same"));
 }
 
 /// Sizes of a shape, m; a mesh has its scale.
@@ -226,7 +229,7 @@ fn shapes(a: &Robot, b: &Robot, pairs: &[(usize, usize)], proof: &mut Proof) {
         {
             if own.len() != found.len() {
                 let (had, has) = (own.len(), found.len());
-                proof.differences.push(format!("link \"{}\": {had} {role} shape(s) are {has}", one.name));
+                proof.differences.push(format!("link \"{}\": {had} {role} shape(s) became {has}", one.name));
                 continue;
             }
             for (own, found) in own.iter().zip(found) {
@@ -243,5 +246,5 @@ fn shapes(a: &Robot, b: &Robot, pairs: &[(usize, usize)], proof: &mut Proof) {
             }
         }
     }
-    proof.lines.push(format!("{count} shapes apart by at most {largest:.1e} m or rad"));
+    proof.lines.push(format!("{count} shapes differ by at most {largest:.1e} m or rad"));
 }

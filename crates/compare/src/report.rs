@@ -1,4 +1,4 @@
-//! What was found, for people and for machines.
+//! Reports for people and programs.
 //!
 //! Every format takes the same [`Report`]; [`FORMATS`] lists them for arguments, docs and tests.
 
@@ -26,20 +26,20 @@ pub enum Report<'a> {
     Comparison(&'a Comparison),
     /// The robots of a repository in two revisions.
     Robots(&'a Robots),
-    /// Files compared with the rules; with the names of all that were looked at.
+    /// Files checked with the rules; with the names of all checked files.
     Findings {
         /// Every file, clean or not.
         files: &'a [String],
         /// In the order of the files.
         findings: &'a [Finding],
-        /// What became of everything in a file, of the files that could be read.
+        /// The inventories of the files that could be read.
         inventories: &'a [FileInventory],
         /// How many more findings a baseline knows; `None` where there is no baseline.
         known: Option<usize>,
     },
 }
 
-/// What became of everything in a file.
+/// The inventory of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileInventory {
     /// The file.
@@ -76,7 +76,7 @@ pub const FORMATS: &[ReportFormat] = &[
     ReportFormat { name: "sarif", summary: "SARIF 2.1.0, for code scanning", render: sarif::render },
     ReportFormat { name: "github", summary: "annotations of a GitHub workflow", render: github::render },
     ReportFormat { name: "markdown", summary: "for a pull-request comment", render: markdown::render },
-    ReportFormat { name: "badge", summary: "the JSON that shields.io makes a badge of", render: badge::render },
+    ReportFormat { name: "badge", summary: "JSON for a shields.io badge", render: badge::render },
 ];
 
 fn plain(report: &Report) -> String {

@@ -1,4 +1,4 @@
-//! The robots of a repository in two revisions: what became of each.
+//! The robots of a repository in two revisions, and how each changed.
 
 use crate::comparison::{Comparison, Verdict};
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub struct Robots {
     pub after: String,
     /// Each robot.
     pub members: Vec<Member>,
-    /// Files that are no robot by themselves.
+    /// Files that are not robots by themselves.
     pub left_out: Vec<String>,
 }
 
@@ -26,12 +26,12 @@ pub struct Member {
     /// The file that it was in, where that is another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file_before: Option<String>,
-    /// What became of it.
+    /// How it changed.
     #[serde(flatten)]
     pub state: State,
 }
 
-/// What became of a robot.
+/// How a robot changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 #[non_exhaustive]
@@ -48,18 +48,18 @@ pub enum State {
     },
     /// It was not there before.
     New,
-    /// It is there no more.
+    /// It was removed.
     Removed,
     /// It cannot be read.
     Unreadable {
         /// Why.
         why: String,
-        /// Whether that is new: `false` where it could not be read before either.
+        /// Whether that is new: `false` where it unreadable as before.
         counts: bool,
     },
 }
 
-/// How many robots are what.
+/// Counts of robots by state.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
@@ -82,7 +82,7 @@ pub struct Counts {
 }
 
 impl Robots {
-    /// How many robots are what.
+    /// Counts of robots by state.
     pub fn count(&self) -> Counts {
         let mut counts = Counts { all: self.members.len(), ..Counts::default() };
         for member in &self.members {
@@ -109,7 +109,7 @@ impl Robots {
             (counts.same, "the same"),
             (counts.new, "new"),
             (counts.removed, "removed"),
-            (counts.unreadable_before, "could not be read before either"),
+            (counts.unreadable_before, "unreadable as before"),
             (counts.untouched, "untouched"),
         ] {
             if count > 0 {

@@ -42,7 +42,7 @@ impl Subject<'_> {
         Some(robot.source.line(at))
     }
 
-    /// Where joints and links stand in the source, if it has lines.
+    /// Lines of joints and links in the source, if it has lines.
     pub(crate) fn lines(&self) -> Lines<'_> {
         let Self::Robot(robot) = self else { return Lines::default() };
         let line = |at: usize| robot.source.line(at);

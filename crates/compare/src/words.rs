@@ -15,7 +15,7 @@ pub(crate) fn length(metres: f64) -> String {
     }
 }
 
-/// An angle in rad, in degrees beside it where they are easier to picture.
+/// An angle in rad, also in degrees if these are easier to imagine.
 pub(crate) fn angle(rad: f64) -> String {
     match rad.abs() {
         0.0 => "0 rad".into(),
@@ -35,7 +35,7 @@ pub(crate) fn displacement((rad, m): (f64, f64), tolerance_rad: f64, tolerance_m
     }
 }
 
-/// A joint value to four decimals: where a displacement is largest is not known better.
+/// A joint value to four decimals: the location of a maximum is not more precise.
 pub(crate) fn joint_value(value: f64) -> String {
     ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }

@@ -1,4 +1,4 @@
-//! The Denavit-Hartenberg rows of an arm that is stated by its screw axes.
+//! The Denavit-Hartenberg rows of an arm given by its screw axes.
 
 use denavit_dh::{Convention, Options, convert};
 use denavit_model::examples;

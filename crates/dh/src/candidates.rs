@@ -1,4 +1,4 @@
-//! The rows that lead from a frame on one axis to a frame on the next: all that differ in gauge and could read well.
+//! Candidate rows from a frame on one axis to a frame on the next: every gauge choice that could be readable.
 
 use crate::convert::{NearParallel, Options, dh_row, tidy_angle, tidy_length};
 use crate::gauge::Gauge;
@@ -9,11 +9,11 @@ use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::screw::Screw;
 use denavit_model::se3::Pose;
 
-/// What a row must meet: a joint's axis, or the tool's z axis.
+/// The axis that a row must reach: a joint's axis, or the tool's z axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target {
     pub direction: Vector3<f64>,
-    /// A point on the line; for a prismatic joint a point that the arm passes, and the place is free.
+    /// A point on the line; for a prismatic joint a point near the arm, since the position is free.
     pub point: Vector3<f64>,
     pub place_is_free: bool,
     /// The tool's x axis, for the last target.
@@ -52,7 +52,7 @@ impl Target {
         targets
     }
 
-    /// The tool's z, with nothing ahead of it.
+    /// The tool's z, the last target.
     pub fn tool(pose: &Pose) -> Self {
         let rotation = pose.rotation.matrix();
         Self {
@@ -113,7 +113,7 @@ pub(crate) fn candidates(
     rows.into_iter().map(Row::Dh).collect()
 }
 
-/// Lemma 1 and its kin: the axes are not parallel, x is along ± their common normal.
+/// Lemma 1 and related cases: the axes are not parallel, x is along ± their common normal.
 fn crossing_rows(frame: &Pose, z: &Vector3<f64>, ahead: &[Target], paper: bool, last: bool, size: f64) -> Vec<DhRow> {
     let next = &ahead[0];
     let normal = z.cross(&next.direction).normalize();
@@ -152,7 +152,7 @@ fn free_places(frame: &Pose, normal: &Vector3<f64>, z: &Vector3<f64>, ahead: &[T
     places
 }
 
-/// Lemma 2 and its kin: the axes are parallel; d is free, and where they coincide x is too.
+/// Lemma 2 and related cases: the axes are parallel; d is free, and where they coincide x is too.
 fn parallel_rows(frame: &Pose, z: &Vector3<f64>, ahead: &[Target], paper: bool, size: f64) -> Vec<DhRow> {
     let next = &ahead[0];
     let origin = frame.translation.vector;
@@ -192,7 +192,7 @@ fn parallel_rows(frame: &Pose, z: &Vector3<f64>, ahead: &[Target], paper: bool, 
 /// Parallel axes closer than this many times the robot's size coincide.
 const COINCIDES: f64 = 1e-12;
 
-/// Where along the parallel axes the way could continue: at the foot of the next common normal, or level with the tip.
+/// Candidate positions along the parallel axes: the foot of the next common normal, or the height of the tip.
 fn stops(origin: &Vector3<f64>, z: &Vector3<f64>, place: &Vector3<f64>, ahead: &[Target]) -> Vec<f64> {
     let level = |point: &Vector3<f64>| (point - origin).dot(z);
     if ahead[0].tool_x.is_some() {

@@ -1,4 +1,4 @@
-//! The four conventions as regroupings of one sequence of numbers, and back.
+//! The four conventions, as different groupings of one sequence of numbers.
 //!
 //! ```text
 //! paper, distal   H0 · [Q(q1) H1] ··· [Q(qn) Hn] · Rz Tz              base = H0            row i = Rz(θi+qi) Tz(di) Rx(αi) Tx(ai)
@@ -76,12 +76,12 @@ pub struct ConventionRow {
     pub beta: Option<f64>,
 }
 
-/// Why rows make no table.
+/// Why rows do not form a table.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum RowsError {
-    /// Rows and joints do not go together.
-    #[error("{joints} joints need {joints} rows between base and tool, and there are {rows}")]
+    /// The numbers of rows and joints do not match.
+    #[error("{joints} joints need {joints} rows between base and tool, but there are {rows}")]
     Count {
         /// How many joints.
         joints: usize,
@@ -94,9 +94,9 @@ pub enum RowsError {
         /// Counted from 1, 0 for the base.
         row: usize,
     },
-    /// A number of the base or tool row for which the convention has no place.
+    /// A number of the base or tool row that the convention cannot hold.
     #[error(
-        "the {row} row has {number} = {value}, for which a {convention} table has no place; write 0, or give that frame a row of its own"
+        "the {row} row has {number} = {value}, which a {convention} table cannot hold; write 0, or give that frame its own row"
     )]
     NoPlace {
         /// `base` or `tool`.
@@ -197,7 +197,7 @@ fn without_place(convention: Convention, base: &ConventionRow, tool: &Convention
     Some(RowsError::NoPlace { row, number, value: format!("{value}"), convention: convention.word() })
 }
 
-/// What stands before and behind a joint's motion in a row: the row is before · motion · behind.
+/// The constant motions before and after a joint's motion in a row: the row is before · motion · behind.
 fn parts(convention: Convention, row: &ConventionRow) -> (Pose, Pose) {
     let numbers = dh_of(row);
     let rz_tz = DhRow { theta: numbers.theta, d: numbers.d, ..DhRow::default() }.pose();
@@ -242,7 +242,7 @@ pub fn chain_of_rows(
     Chain::new(names, coordinates, moving, reached)
 }
 
-/// Forward kinematics straight from convention rows, as their definition says: an independent reading for tests and
+/// Forward kinematics directly from convention rows by their definition: an independent check for tests and
 /// documents. `values` are joint values (scale and coordinate already applied), rad or m.
 pub fn fk_of_rows(convention: Convention, rows: &[ConventionRow], joints: &[TableJoint], values: &[f64]) -> Pose {
     let mut reached = Pose::identity();

@@ -1,11 +1,11 @@
 //! From screw axes to Denavit-Hartenberg numbers (Lemmas 1 to 4), for revolute, prismatic and helical joints in any mix.
 //!
 //! The frame on an axis is given by two neighbouring axes: z along the axis, x along the common normal with the one
-//! before, origin at its foot. What is free then (the sense of x, the place along parallel axes, the place of
+//! before, origin at its foot. The remaining freedom (the sense of x, the position along parallel axes, the position of
 //! a prismatic axis) is the gauge: the candidates come from `candidates`, the choice from [`crate::gauge`].
 //!
-//! Numerics: each row is computed from the frame that the rows before it *really* give, so rounding does not pile up;
-//! d and a are solved for so that the next axis is met to rounding however close to parallel the two are.
+//! Numerics: each row is computed from the frame that the rows before it *actually* give, so rounding does not accumulate;
+//! d and a are solved for so that the next axis is reached to rounding, however close to parallel the two are.
 
 use crate::candidates::{Target, candidates};
 use crate::gauge::{Gauge, Weigher};
@@ -42,7 +42,7 @@ pub enum NearParallel {
 /// ten times their distance.
 pub const HAYATI_BELOW: f64 = 0.1;
 
-/// A number beyond this many times the robot's size is a finding.
+/// A number larger than this many times the robot's size gets a note.
 const FAR: f64 = 3.0;
 
 /// The Denavit-Hartenberg numbers of a chain.
@@ -108,7 +108,7 @@ pub(crate) fn without_offsets(chain: &Chain) -> Result<Chain, ChainError> {
     Chain::new(names, chain.coordinates().to_vec(), joints, moved * chain.home())
 }
 
-/// A way from the base to some axis: the last row, the frame that it leads to, what it cost, and the way before.
+/// A path from the base to some axis: the last row, the frame that it leads to, the cost, and the path before.
 struct State {
     frame: Pose,
     row: Row,
@@ -116,7 +116,7 @@ struct State {
     from: usize,
 }
 
-/// How many ways are kept at each axis; few differ.
+/// How many paths are kept at each axis; few differ.
 const KEPT: usize = 64;
 
 fn rows(chain: &Chain, options: &Options) -> (Vec<Row>, ToolPart) {
@@ -235,7 +235,7 @@ fn far_numbers(chain: &Chain, table: &Table) -> Vec<Note> {
     let far: Vec<(usize, f64)> =
         table.rows.iter().map(longest).enumerate().filter(|(_, length)| *length > FAR * size).collect();
     let angle = |index: usize| angle_of_lines(&targets[index].direction, &targets[index + 1].direction);
-    // A far common normal is named where the axes are near parallel; the way back from it is not another finding.
+    // A far common normal is named where the axes are near parallel; the way back from it gets no second note.
     let named: Vec<&(usize, f64)> = far.iter().filter(|(index, _)| angle(*index) < HAYATI_BELOW).collect();
     let named = if named.is_empty() { far.iter().collect() } else { named };
     let note = |(index, length): &(usize, f64)| Note::FarNumber {

@@ -1,11 +1,11 @@
-//! Choices that the geometry does not determine, made such that an engineer recognises the robot.
+//! Choices that the geometry does not determine, made so that an engineer recognises the robot.
 
 use crate::table::{Row, ToolPart};
 use denavit_model::chain::Chain;
 use denavit_model::se3::{self, Pose};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A choice that the geometry does not determine.
+/// How choices that the geometry does not determine are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Gauge {
     /// The fewest numbers that are not 0, quarter turns before other angles, frames continuous with their neighbours.
@@ -15,7 +15,7 @@ pub enum Gauge {
     Paper,
 }
 
-/// What a number costs a reader. Only the order of the sums matters.
+/// The readability cost of a number. Only the order of the sums matters.
 const LENGTH: f64 = 10.0;
 const ODD_ANGLE: f64 = 10.0;
 const HALF_TURN: f64 = 6.0;
@@ -27,13 +27,13 @@ const OUTSIDE_THE_JOINTS: f64 = 0.2;
 const EARLIER: f64 = 0.001;
 /// A joint that counts from its frame's own zero is better than one with an offset.
 const OFFSET: f64 = 0.3;
-/// A slide is expected where the arm continues, not where it came from.
+/// A slide is expected on the side where the arm continues.
 const BEHIND_A_SLIDE: f64 = 0.1;
 
 /// A length below this many times the robot's size, or an angle below this many rad, reads as 0.
 const READS_AS_ZERO: f64 = 1e-9;
 
-/// Adds up what a table costs its reader.
+/// Sums the readability costs of a table.
 pub(crate) struct Weigher {
     gauge: Gauge,
     size: f64,
@@ -54,7 +54,7 @@ impl Weigher {
         self.size
     }
 
-    /// Whether two frames are one for every later row.
+    /// Whether two frames are equivalent for every later row.
     pub fn same(&self, a: &Pose, b: &Pose) -> bool {
         let (turned, moved) = se3::difference(a, b);
         turned < READS_AS_ZERO && moved < READS_AS_ZERO * self.size

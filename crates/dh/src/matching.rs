@@ -1,4 +1,4 @@
-//! Is this robot the one that a vendor's table describes? The joint senses, the zeros and the frames with which it is, and
+//! Is this robot the one that a vendor's table describes? Finds the joint senses, zeros and frames for which it is, and
 //! the numbers that differ where it is not.
 //!
 //! ```text
@@ -7,8 +7,8 @@
 //! axes ──► senses and zeros that could be ──► least squares over B, E, zeros ──► verdict
 //! (invariants of neighbouring lines)                     and over the table's numbers ──► differences
 //! ```
-//! A match with everything free hides slips: two robots that differ in a zero or a sense only are the same arm to it. So
-//! the senses and zeros that were needed are part of the answer, and of all that do, those with the fewest reversed
+//! A match with everything free hides mistakes: it cannot distinguish two robots that differ only in a zero or a sense. So
+//! the senses and zeros that were needed are part of the answer, and of all that fit, those with the fewest reversed
 //! senses and zeros are chosen.
 
 mod answer;
@@ -35,19 +35,19 @@ use std::f64::consts::FRAC_PI_2;
 /// Guesses that are fitted where one of them comes close.
 const TRIED: usize = 12;
 
-/// Guesses that are fitted where none does, or where given frames tell senses apart that the axes do not.
+/// Guesses that are fitted where none does, or where given frames distinguish senses that the axes do not.
 const TRIED_AT_MOST: usize = 32;
 
-/// Least damping of a fit of frames and zeros: such as rounding needs where the geometry leaves one free.
+/// Smallest damping of a fit of frames and zeros: enough against rounding where the geometry leaves one free.
 const DAMPING: f64 = 1e-12;
 
-/// A guess whose fit leaves no more than this many times the least says the same as the best one.
+/// A guess whose residual is at most this many times the smallest is as good as the best one.
 const AS_GOOD: f64 = 2.0;
 
-/// A zero that is 0 or a quarter turn may leave this many times what one in between leaves.
+/// A zero of 0 or a quarter turn may have this many times the residual of one in between.
 const PRUNED_AS_GOOD: f64 = 1.1;
 
-/// Finds how a vendor's table lies on a robot, and what differs.
+/// Finds how a vendor's table fits a robot, and what differs.
 ///
 /// # Errors
 /// The joints differ in number, kind or order, or a number is not finite.
@@ -149,7 +149,7 @@ impl Matching<'_> {
         Free { base, tool, zeros, numbers: vec![false; self.numbers.len()] }
     }
 
-    /// The state that a guess stands for: frames by aligning the axes, or zeros of the outer joints where they are given.
+    /// The state for a guess: frames by aligning the axes, or zeros of the outer joints where they are given.
     fn start(&self, guess: &Guess) -> State {
         let mut zeros = guess.zeros.clone();
         let n = zeros.len();
@@ -190,7 +190,7 @@ impl Matching<'_> {
         let unturned = vec![0.0; robot.len()];
         let guesses = guesses(&robot, &self.product.axes(self.numbers, &unturned), self.arm.size);
         let tried = if free.base && free.tool { TRIED } else { TRIED_AT_MOST };
-        // What a slide's zero will be, the directions of the axes do not tell.
+        // The directions of the axes do not determine a slide's zero.
         let has_slides = robot.iter().any(|axis| !axis.turns);
         let mut fitted: Vec<(f64, Guess, State)> = Vec::new();
         let mut least = f64::INFINITY;
@@ -237,7 +237,7 @@ impl Matching<'_> {
         }
     }
 
-    /// Zeros that nothing needs are 0, those that a quarter turn serves as well are one.
+    /// Unneeded zeros become 0; zeros for which a quarter turn fits as well become a quarter turn.
     fn pruned(&self, senses: &[f64], mut state: State, error: f64, free: &Free) -> State {
         let fit = self.fit(senses);
         let allowed = error * PRUNED_AS_GOOD + 1e-12 * self.arm.size;
@@ -286,7 +286,7 @@ fn nearest_quarter(angle: f64) -> f64 {
     wrapped((angle / FRAC_PI_2).round() * FRAC_PI_2)
 }
 
-/// Angle by which a motion turns about a direction, as well as one can say, rad.
+/// Angle by which a motion turns about a direction, as well as it is defined, rad.
 fn turn_about(motion: &Pose, direction: &denavit_model::nalgebra::Vector3<f64>) -> f64 {
     let across = se3::skew(direction);
     let rotation = motion.rotation.matrix();

@@ -1,8 +1,8 @@
-//! The table of a chain on the branch of a given one: the numbers of a real arm beside those of its drawing.
+//! The table of a chain on the branch of a given table: the numbers of a real arm, comparable with those of its drawing.
 //!
 //! A chain has many tables: x of each frame may point either way, d along parallel axes is free, and so is the place of a sliding
-//! axis. [`crate::convert::table`] takes the most readable; a little tilt of an axis may then turn a frame round, and nothing can
-//! be subtracted any more. Here each row takes the choice whose numbers are nearest to those of the given row:
+//! axis. [`crate::convert::table`] takes the most readable one; a small tilt of an axis may then reverse a frame, and the tables cannot
+//! be subtracted. Here each row takes the choice whose numbers are nearest to those of the given row:
 //!
 //! ```text
 //! chain(q) = base · table(q) · tool        base and tool: near 1, what a controller's table has no number for
@@ -24,13 +24,13 @@ use std::f64::consts::PI;
 /// A given link twist nearer to 0 or a half turn than this, rad, is that of parallel axes.
 const PARALLEL: f64 = 1e-6;
 
-/// What parallel axes get.
+/// The parameters for parallel axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Parallels {
     /// Hayati's numbers, which stay small.
     #[default]
     Hayati,
-    /// The usual four, d of any size: what controllers without beta keep.
+    /// The usual four, d of any size: for controllers without beta.
     Dh,
 }
 
@@ -130,7 +130,7 @@ pub fn is_parallel(row: &Row) -> bool {
     row.beta().is_some() || row.alpha().sin().abs() < PARALLEL
 }
 
-/// Where the table's base stands on the chain's.
+/// Pose of the table's base in the chain's base.
 fn base(chain: &Chain, given: &Table) -> Pose {
     let row = given.row(0);
     let Some(first) = chain.joints().first().filter(|_| is_parallel(&row)) else { return Pose::identity() };
@@ -212,7 +212,7 @@ fn hayati(frame: &Pose, given: &Row, (direction, point): (&Vector3<f64>, &Vector
     HayatiRow { theta, d, a: cut.x, alpha, beta: small(beta) }
 }
 
-/// The row behind the last joint, the tool's part, and what is left.
+/// The row after the last joint, the tool's part, and the rest.
 fn last(frame: &Pose, home: &Pose, given: &Table, size: f64) -> (Row, ToolPart, Pose) {
     let row = given.row(given.joints.len());
     if is_parallel(&row) {

@@ -62,7 +62,7 @@ impl OrthoParallelWrist {
     }
 }
 
-/// The parameters of an arm, and what they leave.
+/// The parameters of an arm, and the remaining errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpwFit {
     /// The parameters.
@@ -82,7 +82,7 @@ pub const CONFIGURATIONS: usize = 500;
 pub enum OpwError {
     /// Other joints.
     #[error(
-        "the form has six revolute joints, each with a coordinate and scale 1 or -1 of its own, and the chain from \"{base}\" to \"{tip}\" has {found}"
+        "the OPW form needs six revolute joints, each with its own coordinate and scale 1 or -1, but the chain from \"{base}\" to \"{tip}\" has {found}"
     )]
     Joints {
         /// Base link.
@@ -92,18 +92,18 @@ pub enum OpwError {
         /// What it has.
         found: String,
     },
-    /// Axes that lie otherwise.
+    /// The axes are arranged differently.
     #[error("{0}")]
     Axes(String),
-    /// The parameters make no chain.
+    /// The parameters do not form a chain.
     #[error(transparent)]
     Chain(#[from] ChainError),
 }
 
-/// Axes may miss right angles and parallels by this, rad, before an arm is of another kind.
+/// Axes may deviate from perpendicular and parallel by this, rad; beyond it the arm is of another kind.
 const ANGLE: f64 = 0.02;
 
-/// Lines may miss each other by this, times the robot's size, before an arm is of another kind.
+/// Lines may miss each other by this, times the robot's size; beyond it the arm is of another kind.
 const MISS: f64 = 0.02;
 
 /// Numbers closer than this to a multiple of a quarter turn, or to 0, are it (rad, and times the robot's size).
@@ -117,13 +117,13 @@ fn tidy_angle(angle: f64) -> f64 {
 }
 
 impl OpwFit {
-    /// The parameters whose arm moves from the base to the tip frame of a chain as it does.
+    /// The parameters of an arm that moves as a chain does from its base to its tip frame.
     ///
-    /// The base frame has its z on axis 1 and the tip frame its z on axis 6, as the form has no place for other frames. An
-    /// arm whose axes are nearly of the kind gets the parameters of the nearest one, and the errors say how near.
+    /// The base frame has its z on axis 1 and the tip frame its z on axis 6, as the form requires. An
+    /// arm whose axes are nearly of this kind gets the parameters of the nearest one; the errors state how near.
     ///
     /// # Errors
-    /// The joints are others, or the axes are far from this kind.
+    /// The joints differ, or the axes are far from this kind.
     ///
     /// # Validation
     /// tests/opw.rs: every published set of parameters comes back, with its arm to 1e-12 of its size.
@@ -202,19 +202,19 @@ fn parameters(chain: &Chain) -> Result<OrthoParallelWrist, OpwError> {
     let (base, tip) = (&arm.names.0, &arm.names.1);
     let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
     arm.check(u1.cross(&z).norm(), (p1 - z * p1.dot(&z)).norm(), || {
-        format!("axis 1 is not the z axis of \"{base}\", as the form has it; choose another ‹base›")
+        format!("axis 1 is not the z axis of \"{base}\", as the form requires; choose another ‹base›")
     })?;
-    arm.check(u2.z, 0.0, || "axis 2 is not at right angles to axis 1".to_owned())?;
+    arm.check(u2.z, 0.0, || "axis 2 is not perpendicular to axis 1".to_owned())?;
     arm.check(u3.cross(&u2).norm(), 0.0, || "axis 3 is not parallel to axis 2".to_owned())?;
     let (wrist, miss) = arm.wrist().ok_or_else(|| OpwError::Axes("axes 4, 5 and 6 are parallel".to_owned()))?;
-    arm.check(0.0, miss, || format!("axes 4, 5 and 6 do not meet in a point: they miss it by {:.1} mm", miss * 1e3))?;
-    arm.check(u4.dot(&u3), 0.0, || "axis 4 is not at right angles to axis 3".to_owned())?;
-    arm.check(u5.dot(&u4), 0.0, || "axis 5 is not at right angles to axis 4".to_owned())?;
-    arm.check(u6.dot(&u5), 0.0, || "axis 6 is not at right angles to axis 5".to_owned())?;
+    arm.check(0.0, miss, || format!("axes 4, 5 and 6 do not meet in a point: the distance is {:.1} mm", miss * 1e3))?;
+    arm.check(u4.dot(&u3), 0.0, || "axis 4 is not perpendicular to axis 3".to_owned())?;
+    arm.check(u5.dot(&u4), 0.0, || "axis 5 is not perpendicular to axis 4".to_owned())?;
+    arm.check(u6.dot(&u5), 0.0, || "axis 6 is not perpendicular to axis 5".to_owned())?;
     let tip_z = arm.tip.rotation.matrix().column(2).into_owned();
     let to_tip = arm.tip.translation.vector - wrist;
     arm.check(tip_z.cross(&u6).norm(), (to_tip - u6 * to_tip.dot(&u6)).norm(), || {
-        format!("axis 6 is not the z axis of \"{tip}\", as the form has it; choose another ‹tip›")
+        format!("axis 6 is not the z axis of \"{tip}\", as the form requires; choose another ‹tip›")
     })?;
     // Axis 1 turns about z by t1 at coordinate 0, and so on: offsets are the negative.
     let way = |sense: f64| {

@@ -1,4 +1,4 @@
-//! Making near-parallel neighbours parallel, and saying so.
+//! Making near-parallel neighbours parallel, with a note.
 
 use denavit_model::chain::{Chain, ChainError};
 use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3};
@@ -23,7 +23,7 @@ pub enum Parallelism {
 }
 
 impl Default for Parallelism {
-    /// 1e-6 rad: on an arm of a metre the tip moves by some micrometres at the most, and what is left of π written
+    /// 1e-6 rad: on an arm of 1 m the tip moves by at most some micrometres, and the error of π written
     /// with six digits is gone.
     fn default() -> Self {
         Self::Within { angle: 1e-6 }

@@ -1,4 +1,4 @@
-//! Denavit-Hartenberg numbers in the paper's order, and the chain that they stand for.
+//! Denavit-Hartenberg numbers in the paper's order, and the chain that they describe.
 
 use denavit_model::chain::{Chain, ChainError, ChainJoint, Coordinate};
 use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
@@ -35,7 +35,7 @@ pub struct HayatiRow {
     pub beta: f64,
 }
 
-/// What leads from the frame on one axis to the frame on the next.
+/// The step from the frame on one axis to the frame on the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Row {
     /// The usual four.
@@ -67,7 +67,7 @@ impl HayatiRow {
 }
 
 impl Row {
-    /// The motion that the row stands for.
+    /// The motion that the row describes.
     pub fn pose(&self) -> Pose {
         match self {
             Self::Dh(row) => row.pose(),

@@ -102,7 +102,7 @@ fn other_arms_are_refused_and_near_ones_say_how_near() {
     let far = moved(sideways * 100.0, 3);
     assert!(refused(&far).contains("do not meet in a point"), "{}", refused(&far));
     let tilted = moved(Vector6::new(0.3, 0.0, 0.0, 0.0, 0.0, 0.0), 1);
-    assert!(refused(&tilted).contains("axis 2 is not at right angles to axis 1"), "{}", refused(&tilted));
+    assert!(refused(&tilted).contains("axis 2 is not perpendicular to axis 1"), "{}", refused(&tilted));
     let tool = chain.with_geometry(
         &chain.joints().iter().map(|joint| joint.screw).collect::<Vec<_>>(),
         chain.home() * se3::pose(se3::rotation_about(&Vector3::y(), 1.0), Vector3::zeros()),

@@ -1,4 +1,4 @@
-//! Reverses the sense of a joint, proved, and prints what changed: `flip FILE JOINT`.
+//! Reverses the sense of a joint, with a proof, and prints the diff: `flip FILE JOINT`.
 
 use denavit_edit::{Files, Operation, apply, unified_diff};
 

@@ -1,14 +1,14 @@
-//! What an operation says of its result, for the proof to compare with it.
+//! What an operation claims about its result; the proof checks it.
 
 use denavit_model::hull::Hull;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::se3::{self, Pose};
 use std::collections::BTreeMap;
 
-/// How a joint's value reads after an edit: new = sense · old + shift.
+/// A joint's value after an edit: new = sense · old + shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointMap {
-    /// 1, or -1 for a joint that counts the other way.
+    /// 1, or -1 for a reversed joint.
     pub sense: f64,
     /// rad or m.
     pub shift: f64,
@@ -31,7 +31,7 @@ pub struct KeptJoint {
     pub name: String,
     /// Its value there.
     pub map: JointMap,
-    /// Whether parent and child are exchanged.
+    /// Whether parent and child are swapped.
     pub reversed: bool,
 }
 
@@ -42,11 +42,11 @@ pub struct KeptLink {
     pub name: String,
     /// new_from_old: the old frame in the new one.
     pub offset: Pose,
-    /// The link that its shapes and mass are in, and new_from_old there; `None`: with its frame.
+    /// The link with its shapes and mass, and new_from_old for them; `None`: the same as its frame.
     pub matter: Option<(String, Pose)>,
 }
 
-/// What the edit does to space.
+/// How the edit transforms space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Space {
     /// The coordinate (0, 1, 2) that changes its sign.
@@ -82,34 +82,34 @@ impl Space {
     }
 }
 
-/// Where everything of the old robot is in the new one.
+/// Where everything in the old robot is in the new one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
     /// Old link names; those that are missing are not part of the new robot.
     pub links: BTreeMap<String, KeptLink>,
     /// Old joint names; those that are missing are not part of the new robot, or no longer move.
     pub joints: BTreeMap<String, KeptJoint>,
-    /// What happens to space.
+    /// The transformation of space.
     pub space: Space,
-    /// The old link whose frame the motion is looked at from.
+    /// The old link whose frame is the reference of the motion.
     pub seen_from: String,
     /// How masses and tensors are compared: an edit of the shapes alone, or of the masses.
     pub masses: Masses,
     /// Whether shapes must be the same.
     pub shapes: Shapes,
-    /// Length, m, by which frames may move on purpose.
+    /// Length, m, by which frames may move intentionally.
     pub moves: Option<f64>,
-    /// Whether `denavit diff` finds the two the same, and what it is told to leave out.
+    /// Whether `denavit diff` finds the two the same, and with which options.
     pub compared: Compared,
-    /// Links of the new robot that hold what comes from elsewhere.
+    /// Links of the new robot that come from another robot.
     pub foreign: bool,
     /// New names of mesh files by their old ones.
     pub files: BTreeMap<String, String>,
-    /// Points that collision shapes of the new robot must hold.
+    /// Points that collision shapes of the new robot must contain.
     pub(crate) enclosed: Vec<Enclosed>,
 }
 
-/// Points that a collision shape of the new robot must hold.
+/// Points that a collision shape of the new robot must contain.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Enclosed {
     /// Its link's new name.
@@ -127,22 +127,22 @@ pub(crate) struct Enclosed {
 pub enum Compared {
     /// The same robot.
     Same,
-    /// The same but for zeros and senses.
+    /// The same except zeros and senses.
     UpToZeros,
-    /// The same but for frames that are gone, and what names them.
+    /// The same except removed frames and references to them.
     UpToFrames,
-    /// The same with every literal read as it is meant.
+    /// The same with every literal read as intended.
     AsMeant,
-    /// Not to be compared so: another base, a part, a mirror image.
+    /// Not comparable: another base, a part, a mirror image.
     No,
 }
 
 /// What must be true of masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Masses {
-    /// Every link has the sum of what came into it.
+    /// Every link has the sum of the masses merged into it.
     Kept,
-    /// Not held.
+    /// Not checked.
     Free,
 }
 
@@ -151,9 +151,9 @@ pub enum Masses {
 pub enum Shapes {
     /// All are there, where they were.
     Kept,
-    /// Those that are seen are; those that collide are other ones.
+    /// Visual shapes are unchanged; collision shapes are replaced.
     CollisionsChange,
-    /// All are there, turned by as much as a literal was off what it means.
+    /// All are there, turned by the deviation of literals from their intended values.
     Turned,
 }
 

@@ -1,4 +1,4 @@
-//! Why there is no edited robot.
+//! Errors of edits.
 
 use denavit_export::urdf::ExportError;
 use denavit_export::urdf::text::Nodes;
@@ -8,7 +8,7 @@ use denavit_model::problems::nearest_name;
 use denavit_model::robot::Robot;
 use thiserror::Error;
 
-/// Why an edit was not made. Nothing is written then.
+/// Why an edit failed. Nothing is written then.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum EditError {
@@ -19,12 +19,12 @@ pub enum EditError {
         file: String,
         /// `link` or `joint`.
         kind: &'static str,
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The nearest name, as a question, or how to list them.
         hint: String,
     },
-    /// The operation cannot be done to this robot.
+    /// The operation is impossible for this robot.
     #[error("{place}: {what}")]
     Refused {
         /// Where.
@@ -32,20 +32,18 @@ pub enum EditError {
         /// Why, and what to do.
         what: String,
     },
-    /// Words that make no operation.
+    /// Words that are not an operation.
     #[error("{0}")]
     Words(String),
-    /// The result is not what the operation claims: a fault of the edit, or a text that edits do not reach.
-    #[error(
-        "{operation}: the result would not be what was asked for: {what}; nothing was written. Please report this file"
-    )]
+    /// The result is not what the operation claims: a bug of the edit, or a text out of reach of edits.
+    #[error("{operation}: the result would not be as requested: {what}; nothing was written. Please report this file")]
     Unproved {
         /// The operation.
         operation: String,
         /// What does not hold.
         what: String,
     },
-    /// The SRDF is no XML.
+    /// The SRDF is not XML.
     #[error("{file}: cannot be read: {why}")]
     Srdf {
         /// The file.
@@ -56,7 +54,7 @@ pub enum EditError {
     /// The text cannot be edited in place.
     #[error(transparent)]
     Text(#[from] ExportError),
-    /// The source is no robot.
+    /// The source is not a robot.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
 }
@@ -91,24 +89,24 @@ fn no_such<'a>(
     EditError::NoSuch { file: robot.source.file.clone(), kind, name: name.to_owned(), hint }
 }
 
-/// The operation cannot be done, because of this joint.
+/// The operation is impossible because of this joint.
 pub(crate) fn refused_at_joint(robot: &Robot, joint: usize, what: impl Into<String>) -> EditError {
     EditError::Refused { place: robot.joint_place(joint), what: what.into() }
 }
 
 /// # Errors
-/// A link that joints name and the text does not declare: an edit has no place for it.
+/// A link that joints name but the text does not declare, so an edit cannot change it.
 pub(crate) fn all_declared(robot: &Robot, nodes: &Nodes) -> Result<(), EditError> {
     match (0..robot.links.len()).find(|link| nodes.link(*link).is_none()) {
         None => Ok(()),
         Some(link) => {
             let name = &robot.links[link].name;
-            Err(refused_at_link(robot, link, format!("the file does not declare it; write <link name=\"{name}\"/>")))
+            Err(refused_at_link(robot, link, format!("the file does not declare it; add <link name=\"{name}\"/>")))
         }
     }
 }
 
-/// The operation cannot be done, because of this link.
+/// The operation is impossible because of this link.
 pub(crate) fn refused_at_link(robot: &Robot, link: usize, what: impl Into<String>) -> EditError {
     let link = &robot.links[link];
     EditError::Refused { place: robot.source.place(link.at, format!("link \"{}\"", link.name)), what: what.into() }

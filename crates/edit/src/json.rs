@@ -1,4 +1,4 @@
-//! What was done as JSON: operations, what each claims, how nearly that holds.
+//! The edits as JSON: operations, their claims, and the measured deviations.
 
 use crate::claim::{Claim, JointMap};
 use crate::{Done, Report};
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// What it is called, and its version.
 pub const SCHEMA: &str = "denavit.edit/1";
 
-/// A frame that is off by less is where it was, m and rad.
+/// A frame displaced by less is unchanged, m and rad.
 const STAYS: f64 = 1e-12;
 
 #[derive(Serialize)]

@@ -1,11 +1,11 @@
 //! Edits of a URDF's text, each with a proof of what stays the same.
 //!
 //! ```text
-//! Files (URDF, SRDF) ──► Operation ──► Change (new text, claim) ──► proof ──► Files, what is said
+//! Files (URDF, SRDF) ──► Operation ──► Change (new text, claim) ──► proof ──► Files, reports
 //! ```
-//! An operation changes the text where it must; what it does not touch stays byte for byte. Beside the new text it gives a
-//! [`Claim`]: where every link, joint and mass of the old robot is found in the new one. The proof reads the new text as
-//! any reader would and holds it against the claim, at joint values that move all joints; where the claim does not hold, there is no
+//! An operation changes the text where it must; what it does not touch stays byte for byte. With the new text it returns a
+//! [`Claim`]: where every link, joint and mass of the old robot is in the new one. The proof reads the new text as
+//! any reader would and checks the claim at joint values that move all joints; if the claim is false, there is no
 //! result. The crate opens no files.
 //!
 //! ```
@@ -61,7 +61,7 @@ pub struct Text {
 pub struct Files {
     /// The robot.
     pub urdf: Text,
-    /// What MoveIt says of it, where given: its names and joint values follow.
+    /// Its SRDF for MoveIt, if given: names and joint values in it are updated.
     pub srdf: Option<Text>,
 }
 
@@ -75,15 +75,15 @@ impl Files {
 /// What one operation did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// The operation as it was asked for.
+    /// The requested operation.
     pub operation: String,
-    /// Where it says that everything of the robot before is found.
+    /// Its claim about everything in the old robot.
     pub claim: Claim,
-    /// How nearly that holds.
+    /// How accurately the claim holds.
     pub proof: Proof,
     /// What changed: `joint_3 reversed`, `2 limits exchanged`.
     pub changes: Vec<String>,
-    /// What the edit could not follow, or did beside what was asked for; sentences.
+    /// What the edit could not update, or changed in addition; sentences.
     pub notes: Vec<String>,
 }
 
@@ -95,7 +95,7 @@ impl std::fmt::Display for Report {
     }
 }
 
-/// The edited files, and what is to be said of each operation.
+/// The edited files, and a report on each operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Done {
     /// The new texts.
@@ -128,10 +128,10 @@ impl Change {
     }
 }
 
-/// Does the operations one after another, and proves each.
+/// Applies the operations in order, and proves each.
 ///
 /// # Errors
-/// The text is no robot, an operation cannot be done (with the reason), or what it claims does not hold of its result.
+/// The text is not a robot, an operation is impossible (with the reason), or the result violates its claim.
 pub fn apply(files: &Files, operations: &[Operation]) -> Result<Done, EditError> {
     let mut files = files.clone();
     let (mut reports, mut meshes) = (Vec::new(), Vec::new());
@@ -172,10 +172,10 @@ pub fn unified_diff(before: &Text, after: &Text) -> String {
     diff.unified_diff().header(&before.file, &after.file).to_string()
 }
 
-/// The robot of a text that an operation takes as its second one.
+/// The second robot of an operation.
 ///
 /// # Errors
-/// The text is no robot.
+/// The text is not a robot.
 pub fn robot_of(text: &Text) -> Result<Robot, EditError> {
     Ok(urdf::read(&text.file, &text.text)?)
 }

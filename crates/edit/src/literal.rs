@@ -1,8 +1,8 @@
-//! Numbers as a file writes them, changed so that what can stay stays.
+//! Edits of number literals that keep as much of the text as possible.
 
 use denavit_export::urdf::text::{clean, word};
 
-/// The same number with the other sign, its digits as they were: `1.5708` and `-1.5708`. Zero and what is no number stay.
+/// The same number with the other sign, its digits as they were: `1.5708` and `-1.5708`. Zero and non-numbers stay.
 pub(crate) fn negated(literal: &str) -> String {
     let trimmed = literal.trim();
     let Ok(value) = trimmed.parse::<f64>() else { return literal.to_owned() };
@@ -35,7 +35,7 @@ pub(crate) fn times(literal: &str, factors: &[f64]) -> String {
     })
 }
 
-/// A literal with each of its numbers, counted from 0, written anew; what stands between them stays.
+/// A literal with each of its numbers, counted from 0, rewritten; the text between them stays.
 fn each_number(literal: &str, written: impl Fn(usize, &str) -> String) -> String {
     let between = |c: char| c.is_whitespace() || c == ',';
     let mut result = String::with_capacity(literal.len());
@@ -51,13 +51,13 @@ fn each_number(literal: &str, written: impl Fn(usize, &str) -> String) -> String
     result
 }
 
-/// A product without what rounding added: the decimal of fifteen digits where it is as near as rounding lets it be.
+/// A product without rounding error: the decimal of fifteen digits if it is within rounding.
 pub(crate) fn short(value: f64) -> f64 {
     let rounded: f64 = format!("{value:.14e}").parse().unwrap_or(value);
     if (rounded - value).abs() <= 2.0 * f64::EPSILON * value.abs() { rounded } else { value }
 }
 
-/// A sum without what rounding added, relative to the largest of its terms.
+/// A sum without rounding error, relative to the largest of its terms.
 pub(crate) fn sum(terms: &[f64]) -> f64 {
     let scale = terms.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     clean(terms.iter().sum(), scale)

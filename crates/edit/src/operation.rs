@@ -1,4 +1,4 @@
-//! The operations that there are, and the words that ask for them.
+//! The operations, and their words on the command line.
 
 use crate::Change;
 use crate::Text;
@@ -25,7 +25,7 @@ pub enum Operation {
         /// It.
         link: String,
     },
-    /// A joint counts the other way.
+    /// Reverse the sense of a joint.
     Flip {
         /// It.
         joint: String,
@@ -49,12 +49,12 @@ pub enum Operation {
     },
     /// Links on fixed joints become parts of the link that carries them.
     Merge {
-        /// Fixed joints, or links on them; all where there is none.
+        /// Fixed joints, or links on them; all if empty.
         joints: Vec<String>,
         /// Links that stay as frames, without mass and shapes.
         keep: Vec<String>,
     },
-    /// Another robot is put on a link.
+    /// Attach another robot to a link.
     Attach {
         /// The other robot's URDF.
         other: Text,
@@ -62,15 +62,15 @@ pub enum Operation {
         at: String,
         /// link_from_root of the other robot: `x,y,z` or `x,y,z,roll,pitch,yaw`.
         pose: Option<String>,
-        /// Stands before its names.
+        /// Prefix of its names.
         prefix: String,
     },
-    /// The tree below a link becomes a robot of its own.
+    /// Make the tree below a link a separate robot.
     Extract {
         /// The link.
         link: String,
     },
-    /// The tree below a link goes, with the joint that carries it.
+    /// Remove the tree below a link, with the joint that carries it.
     Cut {
         /// The link.
         link: String,
@@ -79,42 +79,42 @@ pub enum Operation {
     Mirror {
         /// Through the root link's origin.
         plane: Plane,
-        /// Parts of names that are exchanged, such as `left` and `right`.
+        /// Parts of names that are swapped, such as `left` and `right`.
         names: Vec<(String, String)>,
     },
-    /// A maker's figures of one arm go into the joint origins.
+    /// Put a manufacturer's calibration of one arm into the joint origins.
     SetCalibration {
         /// The file that they are from, for messages.
         file: String,
         /// They.
         actual: Box<Actual>,
     },
-    /// Link frames go onto the D-H frames.
+    /// Move link frames to the D-H frames.
     Canonical,
-    /// A link's frame goes elsewhere on the link.
+    /// Move a link's frame on the link.
     Origin {
         /// The link.
         link: String,
-        /// In the frame that it has: `x,y,z` or `x,y,z,roll,pitch,yaw`.
+        /// In its present frame: `x,y,z` or `x,y,z,roll,pitch,yaw`.
         to: String,
     },
-    /// Link frames go where the mass is.
+    /// Move link frames to the mass.
     Recentre {
-        /// Links; all where there is none.
+        /// Links; all if empty.
         links: Vec<String>,
     },
-    /// Meshes that collide become simple shapes that hold them.
+    /// Replace collision meshes by simple enclosing shapes.
     SimplifyCollision(Box<Simplified>),
-    /// Mesh files have other names.
+    /// Change the names of mesh files.
     Meshes {
-        /// Where they go, as it was asked for.
+        /// The requested folder.
         folder: String,
         /// New names by the old ones, as the text writes them.
         names: BTreeMap<String, String>,
     },
-    /// Angles and axes that were surely meant as round values become so.
+    /// Replace angles and axes that clearly mean round values by these values.
     Snap,
-    /// Every length times a factor.
+    /// Multiply every length by a factor.
     Scale {
         /// New length over old.
         factor: f64,
@@ -124,7 +124,7 @@ pub enum Operation {
 /// An operation, for help and documents.
 #[derive(Debug, Clone, Copy)]
 pub struct OperationHelp {
-    /// The word that asks for it.
+    /// Its name.
     pub name: &'static str,
     /// With its words.
     pub usage: &'static str,
@@ -137,28 +137,28 @@ pub const OPERATIONS: &[OperationHelp] = &[
     OperationHelp {
         name: "flip",
         usage: "flip JOINT",
-        purpose: "reverse a joint's sense; limits, mimic joints, transmissions and states follow",
+        purpose: "reverse a joint's sense and update limits, mimic joints, transmissions and states",
     },
     OperationHelp {
         name: "zero",
         usage: "zero JOINT=VALUE",
-        purpose: "make the old reading VALUE the new 0; values in rad or m, or with a unit (=90deg)",
+        purpose: "make the old joint value VALUE the new 0; values in rad or m, or with a unit (=90deg)",
     },
     OperationHelp {
         name: "reroot",
         usage: "reroot LINK",
-        purpose: "make LINK the root; every link moves against every other as before, every frame stays",
+        purpose: "make LINK the root; relative motion of links and their frames stay the same",
     },
     OperationHelp {
         name: "rename",
         usage: "rename OLD=NEW …",
-        purpose: "rename links and joints everywhere; link:OLD=NEW and joint:OLD=NEW where both have the name",
+        purpose: "rename links and joints everywhere; link:OLD=NEW or joint:OLD=NEW if both have the name",
     },
     OperationHelp { name: "prefix", usage: "prefix PREFIX", purpose: "put a prefix before every link and joint" },
     OperationHelp {
         name: "merge",
         usage: "merge [JOINT …] [--keep LINK …]",
-        purpose: "make links on fixed joints parts of the link that carries them; masses add up, shapes stay where they are",
+        purpose: "merge links on fixed joints into the link that carries them; masses add up, shapes stay in place",
     },
     OperationHelp {
         name: "attach",
@@ -166,71 +166,73 @@ pub const OPERATIONS: &[OperationHelp] = &[
         purpose: "put another robot on a link, at x,y,z,roll,pitch,yaw",
     },
     OperationHelp { name: "extract", usage: "extract LINK", purpose: "keep only LINK and what it carries" },
-    OperationHelp { name: "cut", usage: "cut LINK", purpose: "take LINK and what it carries out" },
+    OperationHelp { name: "cut", usage: "cut LINK", purpose: "remove LINK and what it carries" },
     OperationHelp {
         name: "mirror",
         usage: "mirror xz [--names left=right]",
-        purpose: "make the mirror image: equal joint values give mirrored poses; --names exchanges parts of names",
+        purpose: "mirror the robot: equal joint values give mirrored poses; --names swaps parts of names",
     },
     OperationHelp {
         name: "set-calibration",
         usage: "set-calibration FILE [--nominal FILE]",
-        purpose: "put a maker's figures of one arm into the joint origins; frames, meshes and names stay",
+        purpose: "put a manufacturer's calibration of one arm into the joint origins; frames, meshes and names stay",
     },
     OperationHelp {
         name: "canonical",
         usage: "canonical",
-        purpose: "put link frames on the D-H frames, as `export` does",
+        purpose: "move link frames to the D-H frames, as `export` does",
     },
     OperationHelp {
         name: "origin",
         usage: "origin LINK --to POSE",
-        purpose: "move a link's frame to POSE, given in the frame that it has; nothing else moves",
+        purpose: "move a link's frame to POSE, given in its present frame; nothing else moves",
     },
     OperationHelp {
         name: "recentre",
         usage: "recentre [LINK …]",
-        purpose: "move link frames to the centre of mass, or to the nearest point of the axis that the link turns about",
+        purpose: "move link frames to the centre of mass, or to the nearest point of the link's joint axis",
     },
     OperationHelp {
         name: "simplify-collision",
         usage: "simplify-collision SHAPE [LINK …] [--to FOLDER]",
-        purpose: "put a box, cylinder, sphere, the smallest of them or the hull around each mesh that collides; hulls go to FOLDER",
+        purpose: "replace each collision mesh by an enclosing box, cylinder, sphere, the smallest of these, or its \
+                  hull; hulls go to FOLDER",
     },
     OperationHelp {
         name: "meshes",
         usage: "meshes --to FOLDER",
-        purpose: "copy mesh files, with what they name, into FOLDER, and rewrite their paths",
+        purpose: "copy mesh files and the files that they refer to into FOLDER, and update the paths",
     },
     OperationHelp {
         name: "snap",
         usage: "snap",
-        purpose: "write angles and axes that were surely meant as round values as such; each is listed with its bound",
+        purpose: "replace angles and axes that clearly mean round values by these values; each is listed with its \
+                  bound",
     },
     OperationHelp {
         name: "scale",
         usage: "scale FACTOR",
-        purpose: "multiply every length; tensors by its square, masses stay",
+        purpose: "multiply every length by FACTOR, and tensors by its square; masses stay",
     },
     OperationHelp {
         name: "units",
         usage: "units UNIT",
-        purpose: "the file's lengths are in UNIT (mm, in …): write them in m",
+        purpose: "convert the file's lengths from UNIT (mm, in …) to m",
     },
 ];
 
-/// What the words of one operation are, and the options that stand beside them.
+/// The words of one operation, and their options.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Words {
     /// `flip`, `elbow_joint`.
     pub words: Vec<String>,
-    /// The file that the operation takes, which its second word names.
+    /// The file named by the second word.
     pub other: Option<Text>,
     /// A link.
     pub at: Option<String>,
     /// `x,y,z` or `x,y,z,roll,pitch,yaw`.
     pub pose: Option<String>,
-    /// Stands before names.
+    /// Prefix of names.
     pub prefix: Option<String>,
     /// Links that stay.
     pub keep: Vec<String>,
@@ -238,11 +240,11 @@ pub struct Words {
     pub names: Vec<String>,
     /// Where something goes.
     pub to: Option<String>,
-    /// A maker's figures, which the second word names.
+    /// A manufacturer's calibration, named by the second word.
     pub actual: Option<Actual>,
-    /// What the robot's mesh files hold, and what stands before the names of new ones.
+    /// The contents of the robot's mesh files, and the prefix of the names of new ones.
     pub meshes: Meshes,
-    /// As `meshes`: what stands before the names of files in the folder of `to`.
+    /// As `meshes`: the prefix of the names of files in the folder of `to`.
     pub folder: Option<String>,
     /// New names of mesh files by their old ones.
     pub copies: BTreeMap<String, String>,
@@ -252,7 +254,7 @@ impl Words {
     /// The words of a command line: `attach gripper.urdf --at tool0 --prefix g_`.
     ///
     /// # Errors
-    /// An option that no operation takes, or one without its value.
+    /// An unknown option, or an option without its value.
     pub fn of(line: impl IntoIterator<Item = String>) -> Result<Self, EditError> {
         let mut words = Self::default();
         let mut rest = line.into_iter();
@@ -275,7 +277,8 @@ impl Words {
                 "to" => words.to = Some(value),
                 _ => {
                     return Err(EditError::Words(format!(
-                        "--{name} is no option of an operation; there are --at, --pose, --prefix, --keep, --names, --to"
+                        "--{name} is not an option of an operation; options are --at, --pose, --prefix, --keep, \
+                         --names, --to"
                     )));
                 }
             }
@@ -288,7 +291,7 @@ impl Words {
         self.words.first().is_some_and(|name| name == "attach")
     }
 
-    /// Whether the second word names a maker's figures of one arm.
+    /// Whether the second word names a manufacturer's calibration of one arm.
     pub fn takes_a_calibration(&self) -> bool {
         self.words.first().is_some_and(|name| name == "set-calibration")
     }
@@ -303,7 +306,7 @@ impl Words {
         self.words.first().is_some_and(|name| name == "meshes")
     }
 
-    /// The first of the options that this operation has no use for.
+    /// The first option that this operation does not accept.
     fn stray(&self) -> Option<&'static str> {
         let name = self.words.first().map_or("", String::as_str);
         let given = [
@@ -319,7 +322,7 @@ impl Words {
 }
 
 impl Operation {
-    /// The operation that words ask for.
+    /// The operation given by the words.
     ///
     /// # Errors
     /// No such operation, or too few or too many words.
@@ -332,7 +335,7 @@ impl Operation {
             let hint = denavit_model::problems::nearest_name(name, names.clone())
                 .map_or_else(String::new, |near| format!("; did you mean {near}?"));
             let known: Vec<&str> = names.collect();
-            return Err(EditError::Words(format!("\"{name}\" is no operation{hint}; there are {}", known.join(", "))));
+            return Err(EditError::Words(format!("\"{name}\" is not an operation{hint}; try {}", known.join(", "))));
         };
         if let Some(option) = words.stray() {
             return Err(EditError::Words(format!("{name} takes no {option}; write {}", help.usage)));
@@ -383,7 +386,7 @@ impl Operation {
                 let (shape, links) = rest.split_first().ok_or_else(wrong)?;
                 let shape = Simple::of(shape).ok_or_else(|| {
                     EditError::Words(format!(
-                        "{name}: there is no shape \"{shape}\"; write box, cylinder, sphere, smallest or hull"
+                        "{name}: \"{shape}\" is not a shape; write box, cylinder, sphere, smallest or hull"
                     ))
                 })?;
                 let links = links.iter().map(|word| (*word).to_owned()).collect();

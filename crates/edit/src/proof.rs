@@ -1,4 +1,4 @@
-//! Whether the new robot is what the operation claims: read again, compared with the old one.
+//! Checks that the new robot is what the operation claims: it is read back and compared with the old one.
 
 mod matter;
 pub(crate) mod motion;
@@ -11,10 +11,10 @@ use denavit_model::tree::Reading;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How nearly a claim holds.
+/// How accurately a claim holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
-    /// The most that a frame misses its place by, over all links and sampled joint values, m.
+    /// The largest displacement of a frame from its claimed pose, over all links and sampled joint values, m.
     pub moved: f64,
     /// The same in rad.
     pub turned: f64,
@@ -22,7 +22,7 @@ pub struct Proof {
     pub samples: usize,
     /// Frames that were compared in each.
     pub frames: usize,
-    /// What the motion is, such as `moves as before`.
+    /// The motion, such as `moves as before`.
     pub motion: &'static str,
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for Proof {
     }
 }
 
-/// One digit, rounded up; rounding of f64 is said as 1e-15.
+/// One digit, rounded up; rounding errors of f64 are given as 1e-15.
 fn rounded_up(value: f64) -> String {
     if value <= 1e-15 {
         return "1e-15".into();
@@ -53,10 +53,10 @@ pub(crate) struct Pair<'a> {
     joints: Vec<Option<usize>>,
 }
 
-/// Holds the claim against the new robot.
+/// Checks the claim on the new robot.
 ///
 /// # Errors
-/// What does not hold.
+/// The violated part of the claim.
 pub(crate) fn prove(before: &Robot, after: &Robot, claim: &Claim) -> Result<Proof, String> {
     let links: BTreeMap<&str, usize> =
         after.links.iter().enumerate().map(|(index, link)| (link.name.as_str(), index)).collect();
@@ -86,7 +86,7 @@ pub(crate) fn prove(before: &Robot, after: &Robot, claim: &Claim) -> Result<Proo
     Ok(proof)
 }
 
-/// The exact comparison, where the claim is one that it knows.
+/// The exact comparison, if it covers the claim.
 fn compared(pair: &Pair) -> Result<(), String> {
     let (up_to_zeros, reading) = match pair.claim.compared {
         Compared::No => return Ok(()),

@@ -11,14 +11,14 @@ pub(crate) struct Names {
     pub joints: BTreeMap<String, String>,
 }
 
-/// What a name may stand for.
+/// What a name may refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A link.
     Link,
     /// A joint.
     Joint,
-    /// A link, or where there is none of that name a joint.
+    /// A link, or a joint if no link has the name.
     Either,
 }
 
@@ -40,7 +40,7 @@ const LINK_ATTRIBUTES: [&str; 13] = [
 const JOINT_ATTRIBUTES: [&str; 5] = ["joint", "joint1", "joint2", "joint_name", "mimic_joint"];
 const EITHER_ATTRIBUTES: [&str; 3] = ["reference", "relative_to", "frame"];
 
-/// Tags that end in `joint` and give a name of their own.
+/// Tags that end in `joint` but define their own name.
 const OWN_NAME: [&str; 3] = ["virtual_joint", "loop_joint", "ball_constraint"];
 
 /// Parts of a tag whose text names a link.
@@ -57,7 +57,7 @@ impl Names {
         found.map(String::as_str)
     }
 
-    /// The names the other way round.
+    /// The inverse mapping of names.
     pub fn back(&self) -> Self {
         let turned = |names: &BTreeMap<String, String>| {
             names.iter().map(|(old, new)| (new.clone(), old.clone())).collect::<BTreeMap<_, _>>()
@@ -118,11 +118,11 @@ pub(crate) struct Named<'a, 'input> {
     pub node: Node<'a, 'input>,
     /// The name.
     pub name: String,
-    /// Whether a program beside the robot is told it, in the text of an element.
+    /// Whether it is in the text of an element, for another program.
     pub in_text: bool,
 }
 
-/// Every place beside `<link name>`, and the ends of joints, where one of these names is used.
+/// Every use of one of these names, except `<link name>` and the ends of joints.
 pub(crate) fn uses<'a, 'input>(
     document: &'a Document<'input>,
     links: &BTreeSet<&str>,
@@ -157,7 +157,7 @@ fn leaf_text<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
     node.children().find(Node::is_text)
 }
 
-/// Writes the new names; gives the number of references and what looks like a name and was not changed.
+/// Writes the new names; returns the number of references, and text that looks like a name but was not changed.
 pub(crate) fn rename(document: &Document, names: &Names, edits: &mut Edits) -> (usize, Vec<String>) {
     rename_where(document, names, edits, &|_| true)
 }
@@ -201,7 +201,7 @@ pub(crate) fn rename_where(
     (count, left)
 }
 
-/// A text with some of its words exchanged; of `model::link` the last part is a name.
+/// A text with some of its words replaced; in `model::link` the last part is a name.
 fn words<'a>(text: &str, new: impl Fn(&str) -> Option<&'a str>) -> String {
     let mut result = String::with_capacity(text.len());
     for piece in text.split_inclusive([',', ' ', '\t', '\n', '\r']) {

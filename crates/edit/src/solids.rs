@@ -1,7 +1,7 @@
 //! Simple solids around the triangles of a mesh: boxes, cylinders, spheres, convex hulls.
 //!
 //! Each is found from the corners of the convex hull and rounded outwards, so that the numbers of a file hold every point. Boxes and
-//! cylinders stand along the mesh's own axes, its principal axes, or a face of the hull.
+//! cylinders are aligned with the mesh's own axes, its principal axes, or a face of the hull.
 
 use denavit_model::hull::{Hull, signed_volume};
 use denavit_model::nalgebra::{Matrix3, Rotation3, SymmetricEigen, Unit, Vector3};
@@ -16,8 +16,8 @@ pub(crate) use denavit_model::hull::in_no_order;
 /// Directions of hull faces that are tried, the largest faces first.
 const FACES_TRIED: usize = 200;
 
-/// A turned solid replaces one along the mesh's own axes only where it has less than this part of its volume: a shape without angles
-/// reads better.
+/// A rotated solid replaces one along the mesh's own axes only if its volume is less than this fraction, because a shape
+/// without angles is easier to read.
 const WORTH_TURNING: f64 = 0.99;
 
 /// Rounding of a face's plane, relative to the size of the hull.
@@ -26,7 +26,7 @@ const ON_THE_FACE: f64 = 1e-12;
 /// Rounding of the corners of a face, relative to the size of the hull.
 const UNSURE: f64 = 8.0 * f64::EPSILON;
 
-/// Lengths are rounded outwards to this part of the size.
+/// Lengths are rounded outwards to this fraction of the size.
 const OUTWARDS: f64 = 1e-6;
 
 /// Two normals closer than this, rad, are one direction.
@@ -39,8 +39,7 @@ pub(crate) struct Plane {
     offset: f64,
 }
 
-/// The planes of its faces, with every corner times factors. `far`: the length, m, whose rounding the points carry that are
-/// compared with them.
+/// The planes of its faces, with every corner times factors. `far`: the length, m, whose rounding error the compared points carry.
 pub(crate) fn planes(hull: &Hull, factors: [f64; 3], far: f64) -> Vec<Plane> {
     let scaled = scaled(hull, factors);
     let size = scaled.corners.iter().fold(0.0, |size: f64, corner| size.max(corner.amax()));
@@ -154,7 +153,7 @@ impl Placed {
     }
 }
 
-/// Whether a solid in its own frame holds a point. `hull`: of a mesh file, with its scale.
+/// Whether a solid in its own frame contains a point. `hull`: of a mesh file, with its scale.
 pub(crate) fn holds(geometry: &Geometry, hull: &[Plane], point: &Vector3<f64>) -> bool {
     match geometry {
         Geometry::Box(size) => (0..3).all(|index| 2.0 * point[index].abs() <= size[index]),
@@ -165,7 +164,7 @@ pub(crate) fn holds(geometry: &Geometry, hull: &[Plane], point: &Vector3<f64>) -
     }
 }
 
-/// The points that a solid must hold, and the directions that it may stand along.
+/// The points that a solid must contain, and its possible directions.
 pub(crate) struct Cloud {
     points: Vec<Vector3<f64>>,
     size: f64,

@@ -8,7 +8,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// A sentence of its own, such as `joint_3 reversed`.
+    /// A separate sentence, such as `joint_3 reversed`.
     pub fn say(&mut self, what: impl Into<String>) {
         self.said.push(what.into());
     }

@@ -6,7 +6,7 @@ use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};
 use denavit_model::units::Unit;
 
-/// A plane through the root link's origin that a robot is reflected in.
+/// A mirror plane through the root link's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Plane {
     /// x changes its sign.
@@ -50,7 +50,7 @@ impl Plane {
 /// A number in rad or m, with or without a unit: `0.25`, `90deg`, `12.5 mm`.
 ///
 /// # Errors
-/// No number, or a unit of the other quantity.
+/// Not a number, or a unit of the other quantity.
 pub(crate) fn number(word: &str, quantity: Quantity) -> Result<f64, EditError> {
     let word = word.trim();
     let end = word
@@ -77,12 +77,12 @@ pub(crate) fn number(word: &str, quantity: Quantity) -> Result<f64, EditError> {
 /// A pose `x,y,z` or `x,y,z,roll,pitch,yaw`, each number with or without a unit.
 ///
 /// # Errors
-/// Another count of numbers, or no numbers.
+/// A wrong count of numbers, or non-numbers.
 pub(crate) fn pose(word: &str) -> Result<Pose, EditError> {
     let parts: Vec<&str> = word.split([',', ' ']).filter(|part| !part.is_empty()).collect();
     if parts.len() != 3 && parts.len() != 6 {
         return Err(EditError::Words(format!(
-            "\"{word}\" is no pose; write x,y,z or x,y,z,roll,pitch,yaw in m and rad, or with units"
+            "\"{word}\" is not a pose; write x,y,z or x,y,z,roll,pitch,yaw in m and rad, or with units"
         )));
     }
     let mut numbers = [0.0; 6];

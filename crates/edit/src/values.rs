@@ -1,4 +1,4 @@
-//! Everything that states a value of a joint, when that value reads otherwise: new = sense · old + shift.
+//! Updates everything that states a value of a joint after a change of its values: new = sense · old + shift.
 //!
 //! Limits, soft limits and calibration positions of the joint; mimic joints on both sides; transmissions; initial values and
 //! limits in ros2_control; springs and initial positions for Gazebo; states in an SRDF.
@@ -35,7 +35,7 @@ impl Sheet<'_, '_> {
     }
 }
 
-/// A literal as it reads after the edit; what is no number stays.
+/// A literal after the edit; non-numbers stay.
 pub(crate) fn mapped(literal: &str, map: JointMap) -> String {
     if map.shift == 0.0 {
         return if map.sense < 0.0 { negated(literal) } else { literal.to_owned() };
@@ -54,7 +54,7 @@ pub(crate) fn child<'a, 'input>(node: Node<'a, 'input>, tag: &str) -> Option<Nod
 /// Rewrites every value of joint `index` in the URDF.
 ///
 /// # Errors
-/// A transmission whose coupling cannot say it.
+/// A transmission whose coupling cannot express it.
 pub(crate) fn edit(
     robot: &Robot,
     nodes: &Nodes,
@@ -91,7 +91,7 @@ fn verb(map: JointMap) -> &'static str {
     if map.sense < 0.0 { "exchanged" } else { "shifted" }
 }
 
-/// Two ends of a range in attributes; of one that is not stated URDF's 0 is taken. Whether there was a range.
+/// Rewrites both ends of a range in attributes; a missing end is URDF's 0. Returns whether there was a range.
 fn range(sheet: &mut Sheet, node: Node, names: [&str; 2], map: JointMap) -> bool {
     let written = names.map(|name| node.attribute(name));
     if written == [None, None] {
@@ -107,7 +107,7 @@ fn range(sheet: &mut Sheet, node: Node, names: [&str; 2], map: JointMap) -> bool
     true
 }
 
-/// A joint that moves the other way meets the falling edge where it met the rising one.
+/// A reversed joint meets the falling edge where it met the rising one.
 fn calibration_positions(sheet: &mut Sheet, node: Node, map: JointMap) {
     let mut any = false;
     for attribute in node.attributes() {
@@ -128,7 +128,7 @@ fn calibration_positions(sheet: &mut Sheet, node: Node, map: JointMap) {
     }
 }
 
-/// As a follower the joint has another factor and offset; so have those that follow it.
+/// Updates factor and offset of the joint as a follower, and of the joints that follow it.
 fn mimics(robot: &Robot, nodes: &Nodes, sheet: &mut Sheet, index: usize, map: JointMap) {
     let name = &robot.joints[index].name;
     for (other, joint) in robot.joints.iter().enumerate() {
@@ -197,12 +197,12 @@ fn in_gazebo(sheet: &mut Sheet, element: Node, name: &str, map: JointMap) {
     if let Some(tag) = named.first() {
         let place = sheet.place(element);
         sheet.notes.push(format!(
-            "{place}: a plugin names joint \"{name}\" in <{tag}>; what it says of the joint's values is not changed, look at it"
+            "{place}: a plugin names joint \"{name}\" in <{tag}>; the joint values in it are not changed; check them"
         ));
     }
 }
 
-/// Rewrites the number in a node's text; whether there was one.
+/// Rewrites the number in a node's text; returns whether there was one.
 fn text(sheet: &mut Sheet, node: Node, map: JointMap) -> bool {
     let Some(inside) = node.first_child().filter(Node::is_text) else { return false };
     let written = inside.text().unwrap_or_default();

@@ -87,7 +87,8 @@ fn merged_links_add_up_and_what_is_named_stays() {
 fn attached_then_extracted_is_the_gripper_and_cut_is_the_arm() {
     assert_eq!(
         attach("").unwrap_err(),
-        "gripper.urdf:2: material \"grey\": the robot that it is attached to has another material of this name; give a prefix"
+        "gripper.urdf:2: material \"grey\": the robot that it is attached to has a different material with this name; \
+         give a prefix"
     );
     let both = attach("g_").unwrap();
     let robot = urdf::read("both.urdf", &both).unwrap();
@@ -103,7 +104,7 @@ fn attached_then_extracted_is_the_gripper_and_cut_is_the_arm() {
     let arm = edit(&both, "cut g_palm").unwrap().files.urdf.text;
     assert_eq!(arm.replace("\n  <material name=\"g_grey\"><color rgba=\"0 0 0 1\"/></material>", ""), ARM);
     let clash = edit(&both, "cut left_base").unwrap_err().to_string();
-    assert!(clash.ends_with("link \"left_base\": it is the root, so nothing would be left"), "{clash}");
+    assert!(clash.ends_with("link \"left_base\": it is the root, so nothing would remain"), "{clash}");
 }
 
 #[test]
@@ -134,7 +135,7 @@ fn lengths_scale_and_frames_move_alone() {
     let (before, after) = (urdf::read("a", ARM).unwrap(), urdf::read("b", &moved.files.urdf.text).unwrap());
     assert_eq!(before.joints[1].origin.xyz, after.joints[1].origin.xyz);
     let off = edit(ARM, "origin left_tip --to 0.1,0,0").unwrap_err().to_string();
-    assert!(off.contains("its frame lies on it; give a place on the axis"), "{off}");
+    assert!(off.contains("the link's frame on this joint's axis; give a position on the axis"), "{off}");
 }
 
 #[test]
@@ -143,8 +144,8 @@ fn round_values_are_written_and_calibrated_ones_stay() {
         ARM.replace("1.5707963267948966", "1.5708").replace("xyz=\"0.5 0 0\"", "xyz=\"0.5 0 0\" rpy=\"0.7853123 0 0\"");
     let done = edit(&text, "snap").unwrap();
     assert!(done.files.urdf.text.contains("1.5707963267948966") && done.files.urdf.text.contains("0.7853123"));
-    assert_eq!(done.reports[0].changes, ["1 number made round"]);
-    assert!(done.reports[0].notes[0].contains("1.5708 is 1.5707963267948966; no tip moves by more than"));
+    assert_eq!(done.reports[0].changes, ["1 number replaced"]);
+    assert!(done.reports[0].notes[0].contains("1.5708 is 1.5707963267948966; this moves no tip by more than"));
 }
 
 #[test]
@@ -163,7 +164,7 @@ fn frames_go_to_the_mass_or_beside_it_on_the_axis() {
     assert!(done.files.urdf.text.contains(r#"<origin xyz="0.5 0 -0.5"/>"#), "{}", done.files.urdf.text);
     assert_eq!(done.reports[0].changes, ["2 link frames moved to the mass"]);
     let refused = edit(&text, "recentre left_camera").unwrap_err().to_string();
-    assert!(refused.ends_with("it has no mass, and so no centre of it"), "{refused}");
+    assert!(refused.ends_with("it has no mass, so it has no centre of mass"), "{refused}");
 }
 
 /// The corners come back to the mesh with the rounding of their place, which is large beside the mesh.

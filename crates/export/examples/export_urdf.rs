@@ -1,6 +1,6 @@
 //! Canonical URDFs, for tests in other languages: `export_urdf [--keep] [--mark] [--as-written] [--proximal] IN OUT [IN OUT …]`.
 //!
-//! A file that cannot be converted leaves no OUT and a line on standard error.
+//! For a file that cannot be converted it writes no OUT, but a line on standard error.
 
 use denavit_export::urdf::{Frames, LinkFrames, Options, canonical};
 use denavit_model::tree::Reading;

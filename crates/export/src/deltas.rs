@@ -1,4 +1,4 @@
-//! Nominal, actual, delta: a real arm's numbers beside those of its nominal table, in the table's convention and on its branch.
+//! Nominal, actual and delta values of a real arm, in the convention and on the branch of its nominal table.
 
 use crate::numbers::exact;
 use denavit_dh::nearest::{Parallels, is_parallel, nearest};
@@ -13,36 +13,36 @@ use std::fmt::Write as _;
 pub struct Delta {
     /// `base`, a joint's name, `tool`.
     pub row: String,
-    /// `theta`, `d`, `alpha`, `a`, `beta`; `x` … `yaw` of base and tool, which a controller's table has no numbers for.
+    /// `theta`, `d`, `alpha`, `a`, `beta`; `x` … `yaw` of base and tool, which a controller's table lacks.
     pub number: &'static str,
     /// rad or m.
     pub nominal: f64,
     /// rad or m.
     pub actual: f64,
-    /// Standard deviation of the actual one, rad or m; `None` where it is not known.
+    /// Standard deviation of the actual value, rad or m; `None` if unknown.
     pub std: Option<f64>,
 }
 
 impl Delta {
-    /// Whether it counts metres.
+    /// Whether it is a length.
     pub fn is_length(&self) -> bool {
         ["d", "a", "x", "y", "z"].contains(&self.number)
     }
 
-    /// What is added to the nominal one.
+    /// Actual minus nominal.
     pub fn delta(&self) -> f64 {
         self.actual - self.nominal
     }
 }
 
-/// Every number of `chain` beside that of `nominal`, in a convention.
+/// Compares every number of `chain` with that of `nominal`, in a convention.
 ///
 /// # Shape and units
-/// rad and m. Rows base, 1 … n, tool of the table; then the six numbers by which the real base stands off the nominal one, and
-/// those of the tool.
+/// rad and m. Rows base, 1 … n, tool of the table; then six numbers for the displacement of the real base from the nominal
+/// one, and six for the tool.
 ///
 /// # Errors
-/// Another number of joints, or a number that is not finite.
+/// The numbers of joints differ, or a number is not finite.
 pub fn deltas(
     chain: &Chain,
     nominal: &Table,
@@ -77,7 +77,7 @@ pub fn deltas(
     Ok(deltas)
 }
 
-/// Whether the row of a joint leads to an axis that is nominally parallel: only then has it a beta.
+/// Whether the row of a joint leads to a nominally parallel axis: only then does it have a beta.
 fn may_tilt(nominal: &Table, joint: &str) -> bool {
     let index = nominal.joints.iter().position(|of| of.name == joint);
     index.is_some_and(|index| index + 1 < nominal.joints.len() && is_parallel(&nominal.row(index + 1)))

@@ -55,7 +55,7 @@ pub enum RenderError {
         /// What it takes and what the robot has.
         why: String,
     },
-    /// The format has no place for something that the table holds.
+    /// The format cannot represent something in the table.
     #[error("{format} has no {what}; {instead}")]
     CannotHold {
         /// The format's name.

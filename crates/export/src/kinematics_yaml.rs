@@ -1,4 +1,4 @@
-//! The kinematics file of a robot that was calibrated at the factory: six joint origins, as UR's driver reads them.
+//! The kinematics file of a factory-calibrated robot: six joint origins, as UR's driver reads them.
 //!
 //! ```text
 //! kinematics:
@@ -8,7 +8,7 @@
 //! ```
 //! **Trap.** The tool that extracts these files from a controller takes its angles as R = Rx(roll) Ry(pitch) Rz(yaw). The
 //! URDF that then reads them takes them as R = Rz(yaw) Ry(pitch) Rx(roll). For a real arm the two differ by up to tens
-//! of micrometres at the tip. So each reading says which is meant: [`AngleOrder`].
+//! of micrometres at the tip. [`AngleOrder`] therefore states the order.
 
 use crate::makers::yaml::Scalars;
 use denavit_model::nalgebra::{Point3, Rotation3, Unit, Vector3};
@@ -19,10 +19,10 @@ use thiserror::Error;
 /// How three angles make a rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AngleOrder {
-    /// R = Rz(yaw) Ry(pitch) Rx(roll): what a URDF makes of the file, so what a running robot moves by.
+    /// R = Rz(yaw) Ry(pitch) Rx(roll): how a URDF reads the file, and so how a running robot moves.
     #[default]
     Urdf,
-    /// R = Rx(roll) Ry(pitch) Rz(yaw): what the vendor's tool meant when it wrote the file.
+    /// R = Rx(roll) Ry(pitch) Rz(yaw): how the vendor's tool computes the angles that it writes.
     Vendor,
 }
 
@@ -43,11 +43,11 @@ const KEYS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 pub struct KinematicsFile {
     /// x, y, z (m), roll, pitch, yaw (rad) of each origin, in the order of [`NAMES`].
     pub origins: [[f64; 6]; 6],
-    /// The controller's mark of these figures, where the file gives one.
+    /// The controller's hash of these numbers, if the file has one.
     pub hash: Option<String>,
 }
 
-/// Why a text is no kinematics file, or a chain cannot be written as one.
+/// Why a text is not a kinematics file, or a chain cannot be written as one.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum KinematicsFileError {
@@ -71,7 +71,7 @@ pub enum KinematicsFileError {
         /// Which number.
         key: &'static str,
     },
-    /// A value is no number.
+    /// A value is not a number.
     #[error("{file}:{line}: {path} is \"{}\", not a finite number", denavit_model::words::quoted(text))]
     NotANumber {
         /// The file.
@@ -83,19 +83,20 @@ pub enum KinematicsFileError {
         /// The value.
         text: String,
     },
-    /// No kinematics file that is known.
+    /// Not a known kinematics file.
     #[error(
-        "{file}: no kinematics file that is known: UR's has kinematics.shoulder …, an xArm's kinematics.joint1 …, Franka's \
-         joint1.kinematic …, an OPW file opw_kinematics_geometric_parameters …, a D-H table rows with theta, d, alpha, a"
+        "{file}: not a known kinematics file: a UR file has kinematics.shoulder …, an xArm file kinematics.joint1 …, \
+         a Franka file joint1.kinematic …, an OPW file opw_kinematics_geometric_parameters …, a D-H table rows with \
+         theta, d, alpha, a"
     )]
     Unknown {
         /// The file.
         file: String,
     },
-    /// A chain of another make.
+    /// A chain that does not fit the format.
     #[error(
-        "{robot}: a kinematics file has six revolute joints without scale or offset, and this chain has {found}; write \
-         a table or a URDF"
+        "{robot}: a kinematics file needs six revolute joints without scale or offset, but this chain has {found}; \
+         write a table or a URDF"
     )]
     OtherChain {
         /// The robot.
@@ -103,10 +104,10 @@ pub enum KinematicsFileError {
         /// What it has.
         found: String,
     },
-    /// Six revolute joints that are no UR's.
+    /// Six revolute joints that are not a UR arm.
     #[error(
-        "{robot}: the axes are those of no Universal Robots arm ({models}) at its zero, so the kinematics file would be another \
-         robot's; write a table or a URDF"
+        "{robot}: the axes at zero match no Universal Robots arm ({models}), so the kinematics file would \
+         describe another robot; write a table or a URDF"
     )]
     OtherArm {
         /// The robot.
@@ -114,7 +115,7 @@ pub enum KinematicsFileError {
         /// The arms that are known.
         models: String,
     },
-    /// A file that looks like a form and cannot be one.
+    /// A file that looks like a known format but is invalid.
     #[error("{file}: this looks like {form}: {what}")]
     NotThisArm {
         /// The file.
@@ -194,18 +195,18 @@ impl KinematicsFile {
         Ok(Chain::new((robot, "base", "wrist_3_link"), coordinates, joints, frame)?)
     }
 
-    /// The origins that move as a chain does, and what stays between the frame that joint 6 turns and the chain's tip.
+    /// The origins that reproduce a chain's motion, and the transform from the frame of joint 6 to the chain's tip.
     ///
     /// Each frame has its z axis on the joint's axis; its origin is the foot of the common normal to the next axis or,
-    /// where the two are (nearly) parallel, the point nearest to the frame before; its x axis is the one of the frame
-    /// before, turned no more than z has to. For an ideal UR these are the vendor's own frames.
+    /// where the two are (nearly) parallel, the point nearest to the frame before; its x axis is that of the previous
+    /// frame, turned only as much as z requires. For an ideal UR these are the vendor's own frames.
     ///
     /// # Errors
     /// The chain has other than six plain revolute joints.
     pub fn of(chain: &Chain, order: AngleOrder) -> Result<(Self, Pose), KinematicsFileError> {
         if plain_lines(chain).len() != 6 || chain.joints().len() != 6 {
             let (joints, plain) = (chain.joints().len(), plain_lines(chain).len());
-            let found = format!("{joints} joints, {plain} of them plain revolute ones");
+            let found = format!("{joints} joints, {plain} of this kind");
             return Err(KinematicsFileError::OtherChain { robot: chain.name().into(), found });
         }
         let (steps, tool) = origins(chain);
@@ -218,7 +219,7 @@ impl KinematicsFile {
         Ok((file, tool))
     }
 
-    /// The file's text, every number with all its digits; `comments` on top say which order of angles is meant.
+    /// The file's text, every number with all its digits; the `comments` at the top state the order of angles.
     pub fn to_text(&self, order: AngleOrder, comments: &[String]) -> String {
         let mut text = String::new();
         for comment in comments {
@@ -253,7 +254,7 @@ fn plain_lines(chain: &Chain) -> Vec<AxisLine> {
     chain.joints().iter().filter_map(plain).collect()
 }
 
-/// Joint origins of a chain of plain revolute joints, placed as [`KinematicsFile::of`] says, and the pose of the tip in the
+/// Joint origins of a chain of plain revolute joints, placed as in [`KinematicsFile::of`], and the pose of the tip in the
 /// last one's frame.
 pub(crate) fn origins(chain: &Chain) -> (Vec<Pose>, Pose) {
     let lines = plain_lines(chain);

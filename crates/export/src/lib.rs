@@ -1,4 +1,4 @@
-//! Values to text: tables in every format, and back where a format is also a source.
+//! Writes tables, documents and URDF; formats that are also sources are read back.
 //!
 //! ```text
 //! Table, Chain ──► formats (text · md · csv · json · tex) ──► String

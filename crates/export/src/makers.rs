@@ -1,8 +1,8 @@
-//! Calibrations of single arms as makers and ROS packages keep them: read where a file holds a whole kinematics, written for
-//! what a controller or a package takes.
+//! Calibration files of manufacturers and ROS packages: read where a file holds complete kinematics, written where a
+//! controller or package accepts them.
 //!
-//! Each form is in a file with the public source that it was taken from; `docs/makers.md` lists those that are not
-//! public, which are not guessed.
+//! Each format has its own module, which names its public source; `docs/makers.md` lists formats that are not public,
+//! which are not supported.
 
 mod franka;
 pub(crate) mod opw;
@@ -29,64 +29,64 @@ use denavit_model::tree::Reading;
 use denavit_model::{AxisLine, Screw};
 use thiserror::Error;
 
-/// A maker's form.
+/// A manufacturer's file format.
 #[derive(Debug, Clone, Copy)]
 pub struct Maker {
     /// The word on the command line.
     pub name: &'static str,
-    /// What takes the file, and under which name.
+    /// Which program uses the file, and under which name.
     pub purpose: &'static str,
     /// Writes it.
     pub render: fn(&Calibrated) -> Result<Written, MakerError>,
 }
 
-/// Every form that can be written.
+/// Every format that can be written.
 pub const MAKERS: &[Maker] =
     &[ur::MAKER, ur_conf::MAKER, xarm::MAKER, franka::MAKER, pal::MAKER, robot_calibration::MAKER];
 
-/// Forms that people ask for and that are not public, with what is to be done instead.
+/// Requested formats that are not public, with the alternative.
 const NOT_PUBLIC: [(&str, &str); 2] = [
     (
         "kinova",
-        "Kinova's support gives the figures of an arm on request, in no form that is published (ros_kortex, issue 318); as a D-H \
-         table beside the nominal one `denavit edit` reads them",
+        "Kinova support sends the calibration of an arm on request, but in an unpublished format (ros_kortex, issue \
+         318); write it as a D-H table: `denavit edit` reads it with the nominal table",
     ),
     (
         "ros-industrial",
-        "the drivers of ROS-Industrial apply no offsets, and read no file of them (industrial_core, issue 218)",
+        "the ROS-Industrial drivers apply no offsets and read no offset file (industrial_core, issue 218)",
     ),
 ];
 
-/// The form of this name.
+/// The format with this name.
 ///
 /// # Errors
-/// There is none; the message says why and what there is.
+/// The name is unknown; the message gives the reason and the known names.
 pub fn named(name: &str) -> Result<&'static Maker, MakerError> {
     if let Some(maker) = MAKERS.iter().find(|maker| maker.name == name) {
         return Ok(maker);
     }
     let known: Vec<&str> = MAKERS.iter().map(|maker| maker.name).collect();
-    let why = NOT_PUBLIC.iter().find(|(own, _)| *own == name).map_or("no such form", |(_, why)| why);
+    let why = NOT_PUBLIC.iter().find(|(own, _)| *own == name).map_or("unknown format", |(_, why)| why);
     Err(MakerError::Unknown { name: name.to_owned(), why, known: known.join(", ") })
 }
 
-/// The model of Universal Robots whose axes these are, as `ur_type` calls it, within what calibrations differ by.
+/// The Universal Robots model (`ur_type`) with these axes, up to the size of a calibration.
 pub fn ur_model(chain: &Chain) -> Option<&'static str> {
     ur_models::model_of(chain)
 }
 
-/// What a form is made from.
+/// What a file is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibrated<'a> {
-    /// The chain as it is.
+    /// The calibrated chain.
     pub chain: &'a Chain,
-    /// The tree that it belongs to, as drawn, and how it was read: its link frames are kept as nearly as can be.
+    /// Its nominal tree, and how that was read: link frames are kept as closely as possible.
     pub drawn: Option<(&'a Robot, Reading)>,
-    /// Names of effects that were found beside the geometry.
+    /// Names of non-geometric effects that were found.
     pub effects: &'a [String],
 }
 
-/// A file's text, and what the form has no place for.
+/// A file's text, and what the format cannot represent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
     /// The file.
@@ -95,22 +95,22 @@ pub struct Written {
     pub left_out: Vec<String>,
 }
 
-/// Why a calibration has no such form.
+/// Why a calibration cannot be written in a format.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MakerError {
-    /// No form of this name.
-    #[error("‹out-for›: \"{name}\": {why}; there are {known}; ‹urdf› writes the whole robot")]
+    /// No format with this name.
+    #[error("‹out-for›: \"{name}\": {why}; known formats: {known}; ‹urdf› writes the whole robot")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// Why not.
         why: &'static str,
         /// What there is.
         known: String,
     },
-    /// A chain of another make.
-    #[error("‹out-for› {maker}: the form has {wanted}, and the chain from {base} to {tip} has {found}")]
+    /// A chain that does not fit the format.
+    #[error("‹out-for› {maker}: the format needs {wanted}, but the chain from {base} to {tip} has {found}")]
     OtherChain {
         /// The form.
         maker: &'static str,
@@ -123,9 +123,10 @@ pub enum MakerError {
         /// What the chain has.
         found: String,
     },
-    /// A joint turns about another axis than z of its link.
+    /// A joint does not turn about z of its link.
     #[error(
-        "‹out-for› {maker}: joint \"{joint}\" does not turn about the z axis of its link's frame, as the form takes it"
+        "‹out-for› {maker}: joint \"{joint}\" does not turn about the z axis of its link's frame, as the format \
+         requires"
     )]
     NotAboutZ {
         /// The form.
@@ -133,8 +134,8 @@ pub enum MakerError {
         /// The joint.
         joint: String,
     },
-    /// The form needs the tree.
-    #[error("‹out-for› {maker}: the form changes joint origins of a URDF; give the robot as a URDF or xacro")]
+    /// The format needs the tree.
+    #[error("‹out-for› {maker}: the format needs the joint origins of a URDF; give the robot as a URDF or xacro")]
     NeedsTree {
         /// The form.
         maker: &'static str,
@@ -153,14 +154,14 @@ pub enum MakerError {
     Kinematics(#[from] KinematicsFileError),
 }
 
-/// Joint origins of a robot as a file says them that only adds to those of a URDF.
+/// Joint origins from a file that only holds corrections to those of a URDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewOrigins {
     /// What the file was read as.
     pub form: &'static str,
     /// Indices of the robot's joints, and their origins.
     pub origins: Vec<(usize, Numbers)>,
-    /// What of the file is not used.
+    /// Parts of the file that are not used.
     pub notes: Vec<Note>,
 }
 
@@ -168,29 +169,29 @@ pub struct NewOrigins {
 /// where the text is neither.
 ///
 /// # Errors
-/// A value that is no finite number, or no joint of the robot is named.
+/// A value is not a finite number, or the file names no joint of the robot.
 pub fn new_origins(file: &str, text: &str, robot: &Robot) -> Option<Result<NewOrigins, KinematicsFileError>> {
     let scalars = yaml::Scalars::read(file, text).ok()?;
     let pal = scalars.above(pal::BELOW);
     let (form, read) = match pal.first() {
-        Some(above) => ("what PAL adds to joint origins", pal::read(&scalars, above, robot)),
+        Some(above) => ("PAL's corrections of joint origins", pal::read(&scalars, above, robot)),
         None => ("offsets of joint origins (robot_calibration)", robot_calibration::read(&scalars, robot)),
     };
     match read {
         // Any other YAML names no joint so.
         Ok(origins) if origins.is_empty() && pal.is_empty() => None,
         Ok(origins) if origins.is_empty() => {
-            Some(Err(not_this_arm(&scalars, form, "none of its keys is of a joint of this robot")))
+            Some(Err(not_this_arm(&scalars, form, "no key names a joint of this robot")))
         }
         Ok(origins) => Some(Ok(NewOrigins { form, origins, notes: scalars.account().0 })),
         Err(error) => Some(Err(error)),
     }
 }
 
-/// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's, an OPW file; `order` counts for UR's alone.
+/// Reads a maker's kinematics file: UR's, an xArm's, a Franka arm's, an OPW file; `order` applies only to UR's.
 ///
 /// # Errors
-/// The YAML does not parse, is of none of these forms, or a number is missing or not finite.
+/// The YAML does not parse, has none of these formats, or a number is missing or not finite.
 ///
 /// # Examples
 /// ```
@@ -204,7 +205,7 @@ pub fn read(file: &str, robot: &str, text: &str, order: AngleOrder) -> Result<Ch
     chain_in(&yaml::Scalars::read(file, text)?, robot, order).map(|(chain, _)| chain)
 }
 
-/// The same, with what the file was read as and an account of everything in it; also a D-H table in YAML, a list of rows
+/// The same, with the format that was found and an inventory of the file; also a D-H table in YAML, a list of rows
 /// with keys theta, d, alpha, a.
 ///
 /// # Errors
@@ -252,8 +253,8 @@ fn chain_in(
         return Err(not_this_arm(
             scalars,
             form,
-            "every axis would be parallel to the first one; if the axes of this arm stand elsewhere (in its xacro), give the \
-             URDF or xacro instead",
+            "every axis would be parallel to the first one; if this arm's xacro defines the axes, give the URDF or \
+             xacro instead",
         ));
     }
     Ok((chain, form))
@@ -263,7 +264,7 @@ fn not_this_arm(scalars: &yaml::Scalars, form: &'static str, what: impl Into<Str
     KinematicsFileError::NotThisArm { file: scalars.file.clone(), form, what: what.into() }
 }
 
-/// Axes closer to parallel than this, rad, are those of a file whose axes stand elsewhere.
+/// If all axes are closer to parallel than this, rad, the file does not define the axes.
 const PARALLEL: f64 = 0.02;
 
 fn all_parallel(chain: &Chain) -> bool {
@@ -301,16 +302,16 @@ fn chain_of(names: (&str, &str, &str), origins: &[(String, Pose)], tool: &Pose) 
     Chain::new(names, coordinates.collect(), joints, frame * tool)
 }
 
-/// Sentences on effects, which no form has a place for.
+/// Notes on effects, which no format can represent.
 fn without_effects(calibrated: &Calibrated) -> Vec<String> {
     if calibrated.effects.is_empty() {
         return Vec::new();
     }
     let effects = calibrated.effects.join(", ");
-    vec![format!("this form holds geometry alone; not in it: {effects} (‹effects-out› keeps effects)")]
+    vec![format!("this format holds only geometry, not {effects} (‹effects-out› writes the effects)")]
 }
 
-/// A pose in words, where it is one.
+/// A pose in words, unless it is the identity.
 pub(crate) fn tool_words(tool: &Pose, size: f64) -> Option<String> {
     let (turned, moved) = se3::difference(tool, &Pose::identity());
     (turned > 1e-12 || moved > 1e-12 * size).then(|| {

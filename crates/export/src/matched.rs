@@ -1,4 +1,4 @@
-//! How a robot and a vendor's table agree, as documents: text and JSON.
+//! Reports of a robot matched with a vendor's table: text and JSON.
 
 use crate::numbers::{Units, decimal};
 use crate::sources::{ReadAs, VendorReading};
@@ -32,7 +32,7 @@ struct MatchFile<'a> {
     tool: FrameEntry,
     rows: Vec<RowEntry>,
     differences: Vec<DifferenceEntry>,
-    /// How the table lies on the robot with the differences changed.
+    /// The placement of the table on the robot after correcting the differences.
     #[serde(skip_serializing_if = "Option::is_none")]
     explained: Option<ExplainedEntry<'a>>,
 }
@@ -45,7 +45,7 @@ struct ExplainedEntry<'a> {
     tool: FrameEntry,
 }
 
-/// How the table was read, and whether file or user state it or it was tried.
+/// How the table was read, and whether the file or the user states this or it was tried.
 #[derive(Serialize)]
 struct ReadAsEntry {
     convention: &'static str,
@@ -61,23 +61,23 @@ impl ReadAsEntry {
     }
 }
 
-/// What came of the readings of a table.
+/// The result of matching all readings of a table.
 #[derive(Debug)]
 pub struct Found<'a> {
     /// The match of the best reading.
     pub found: Match,
     /// That reading.
     pub reading: &'a VendorReading,
-    /// Where it is a mismatch: how the table would match, against what file or user state.
+    /// For a mismatch: a reading that would match, although it contradicts the file or the user.
     pub otherwise: Option<(Verdict, ReadAs)>,
 }
 
 impl Found<'_> {
-    /// What must be said of how the table was read.
+    /// A note on how the table was read.
     pub fn remark(&self) -> Option<String> {
         if let Some((verdict, read_as)) = &self.otherwise {
             return Some(format!(
-                "this looks like {}: read so, the match is {}; state it with ‹convention› and ‹table-units›, or in the \
+                "this looks like {}: the match is then {}; state it with ‹convention› and ‹table-units›, or in the \
                  headings of the file",
                 read_as.words(),
                 verdict.word()
@@ -87,17 +87,17 @@ impl Found<'_> {
             return self.looks_like();
         }
         let read_as = self.reading.read_as.words();
-        self.reading.tried.then(|| format!("read as {read_as}, the best fit among what the file does not state"))
+        self.reading.tried.then(|| format!("read as {read_as}, the best fit among the readings that the file allows"))
     }
 }
 
-/// The reading that matches best of those that nothing stated contradicts; where it is a mismatch, what would match.
+/// The best match among the readings that agree with everything stated; for a mismatch also a reading that would match.
 ///
 /// # Errors
 /// As [`match_table`].
 ///
 /// # Panics
-/// There is no reading; [`crate::sources::read_vendor_table`] gives one at least.
+/// There is no reading; [`crate::sources::read_vendor_table`] returns at least one.
 pub fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<Found<'a>, MatchError> {
     let mut best: Option<(Match, &VendorReading)> = None;
     let mut otherwise: Option<(Match, &VendorReading)> = None;
@@ -121,12 +121,12 @@ pub fn best<'a>(chain: &Chain, readings: &'a [VendorReading]) -> Result<Found<'a
     Ok(Found { found, reading, otherwise: otherwise.map(|(other, reading)| (other.verdict, reading.read_as)) })
 }
 
-/// Angles beyond a full turn (rad) and links beyond this (m) are no arm's.
+/// Angles beyond a full turn (rad) and links beyond this (m) are implausible for an arm.
 const FULL_TURN: f64 = 6.3;
 const LONG_LINK: f64 = 20.0;
 
 impl Found<'_> {
-    /// What the numbers of a table that does not match look like, where they are no arm's.
+    /// For a table that does not match: the units that implausible numbers suggest.
     fn looks_like(&self) -> Option<String> {
         let table = &self.reading.table;
         let largest = |lengths: bool| {
@@ -260,7 +260,7 @@ pub fn json(chain: &Chain, table: &str, result: &Found) -> String {
     serde_json::to_string_pretty(&file).expect("every number of a match is finite") + "\n"
 }
 
-/// Text: the verdict, what the match needed, the table in the vendor's own form, and where the robot differs.
+/// Text: the verdict, the placement of the match, the table in the vendor's form, and the differences.
 pub fn text(chain: &Chain, table: &str, result: &Found, units: Units) -> String {
     let found = &result.found;
     let placement = &found.placement;
@@ -277,25 +277,25 @@ pub fn text(chain: &Chain, table: &str, result: &Found, units: Units) -> String 
     out.push_str(&needed(chain, placement, units));
     let _ = writeln!(
         out,
-        "\nthe table in the vendor's form ({}); * marks a number of the robot's that differs:\n",
+        "\nthe robot's table in the vendor's form ({}); * marks a number that differs from the vendor's:\n",
         result.reading.table.convention.word()
     );
     out.push_str(&rows(found));
     if found.prints_back() {
-        out.push_str("\nEvery number prints back as the vendor wrote it.\n");
+        out.push_str("\nEvery number is printed as the vendor wrote it.\n");
     }
     match &found.explanation {
         None => {}
         Some(explanation) if explanation.differences.is_empty() => {}
         Some(explanation) => {
-            out.push_str("\nwhere they differ:\n");
+            out.push_str("\ndifferences:\n");
             for difference in &explanation.differences {
                 let _ = writeln!(out, "  {}", words(difference, units));
             }
             let left = explanation.placement.position_error;
-            let _ = writeln!(out, "  with that changed the largest tip error is {} mm", decimal(left * 1e3, 6));
+            let _ = writeln!(out, "  with these corrected the largest tip error is {} mm", decimal(left * 1e3, 6));
             if !same_zeros(placement, &explanation.placement) {
-                let _ = write!(out, "\nwith that changed {}", needed(chain, &explanation.placement, units));
+                let _ = write!(out, "\nwith these corrected {}", needed(chain, &explanation.placement, units));
             }
         }
     }
@@ -312,7 +312,7 @@ fn same_zeros(one: &Placement, other: &Placement) -> bool {
     })
 }
 
-/// Senses, zeros and frames: a free match hides slips unless it says what it needed.
+/// Senses, zeros and frames of the match: a free match would hide errors if it did not list them.
 fn needed(chain: &Chain, placement: &Placement, units: Units) -> String {
     let mut out = String::new();
     let mut plain = true;
@@ -322,16 +322,13 @@ fn needed(chain: &Chain, placement: &Placement, units: Units) -> String {
         let zero = units.value(joint.zero, quantity);
         if joint.sense == Sense::Reversed || zero != "0" {
             plain = false;
-            let sense = if joint.sense == Sense::Reversed { "counts the other way" } else { "counts the same way" };
-            let _ = writeln!(
-                out,
-                "  {}: {sense}, stands at {zero} {unit} in the table where it is 0 in the robot",
-                joint.name
-            );
+            let sense = if joint.sense == Sense::Reversed { "reversed sense" } else { "same sense" };
+            let _ =
+                writeln!(out, "  {}: {sense}, reads {zero} {unit} in the table where the robot reads 0", joint.name);
         }
     }
     if plain {
-        out.push_str("  every joint counts the same way from the same zero\n");
+        out.push_str("  every joint has the same sense and zero\n");
     }
     for (name, pose) in [("base", &placement.base), ("tool", &placement.tool)] {
         let FrameEntry { xyz, rpy } = frame(pose);
@@ -340,7 +337,7 @@ fn needed(chain: &Chain, placement: &Placement, units: Units) -> String {
         let (length, angle) = (units.length_word(), units.angle_word());
         let _ = writeln!(out, "  {name} frame: xyz {} {length}, rpy {} {angle}", xyz.join(" "), rpy.join(" "));
     }
-    format!("the match needs\n{out}")
+    format!("the match uses\n{out}")
 }
 
 fn rows(found: &Match) -> String {
@@ -378,7 +375,7 @@ fn words(difference: &Difference, units: Units) -> String {
     let place = format!("row {}: {}", label(difference.label), difference.number.word());
     match difference.nature {
         Nature::Sign => {
-            format!("{place} is {vendor} in the table and {robot} in the robot: on the other side of the axis")
+            format!("{place} is {vendor} in the table and {robot} in the robot: opposite sign")
         }
         Nature::OtherSideOfJoint { with } => format!(
             "{place} is {vendor} in the table and {robot} in the robot, which has it on the other side of the joint, in row {}",

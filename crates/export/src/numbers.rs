@@ -5,9 +5,9 @@ use denavit_model::units::Unit;
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// A word that is no unit where it is written.
+/// A word that is not a unit there.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("\"{word}\" is no unit that is known here, or the second one of its kind")]
+#[error("\"{word}\" is not a known unit, or the second one of its kind")]
 #[non_exhaustive]
 pub struct UnknownUnit {
     /// As written.
@@ -50,10 +50,10 @@ pub struct Units {
 }
 
 impl Units {
-    /// From words such as `mm,deg`, in any order; what is not named stays as it is.
+    /// From words such as `mm,deg`, in any order; units not named stay unchanged.
     ///
     /// # Errors
-    /// The word that is no unit.
+    /// The word that is not a unit.
     ///
     /// # Examples
     /// ```

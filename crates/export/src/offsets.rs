@@ -1,7 +1,7 @@
-//! Offsets of joints in the forms in which servos, drivers and ROS packages keep them.
+//! Joint offsets in the formats of servos, drivers and ROS packages.
 //!
-//! An offset is what is added to a joint's reading before the joint counts it: angle = reading + zero. An offset that the
-//! data do not tell from where the instrument stands is left out of every form but the table, and said.
+//! An offset is added to a joint's reading: angle = reading + zero. An offset that the data cannot separate from the
+//! pose of the instrument is omitted from every format except the table, with a note.
 
 use crate::makers::Written;
 use crate::urdf::ExportError;
@@ -23,37 +23,37 @@ const DYNAMIXEL_MOST: i64 = 1024;
 pub struct Offset {
     /// The joint.
     pub joint: String,
-    /// What is added to its reading, rad or m.
+    /// Added to its reading, rad or m.
     pub zero: f64,
     /// Standard deviation, the same unit.
     pub std: f64,
     /// Whether the joint turns.
     pub turns: bool,
-    /// Whether the data tell it.
+    /// Whether the data determine it.
     pub told: bool,
 }
 
-/// What the forms are made from.
+/// What the files are made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Offsets<'a> {
     /// Joint by joint, in the chain's order.
     pub joints: &'a [Offset],
-    /// The tree, for the form that is a URDF.
+    /// The tree, for the URDF format.
     pub drawn: Option<&'a Robot>,
 }
 
-/// A form.
+/// A format.
 #[derive(Debug, Clone, Copy)]
 pub struct Form {
     /// The word on the command line.
     pub name: &'static str,
-    /// What takes the file.
+    /// Which program uses the file.
     pub purpose: &'static str,
     /// Writes it.
     pub render: fn(&Offsets) -> Result<Written, OffsetsError>,
 }
 
-/// Every form.
+/// Every format.
 pub const FORMS: &[Form] = &[
     Form { name: "csv", purpose: "a table: joint, zero, standard deviation", render: csv },
     Form {
@@ -63,45 +63,45 @@ pub const FORMS: &[Form] = &[
     },
     Form {
         name: "lerobot",
-        purpose: "changes of homing_offset in lerobot's calibration, steps of a Feetech servo",
+        purpose: "changes of homing_offset in lerobot's calibration, in steps of a Feetech servo",
         render: lerobot,
     },
-    Form { name: "dynamixel", purpose: "changes of Homing Offset (20), steps of a Dynamixel X", render: dynamixel },
+    Form { name: "dynamixel", purpose: "changes of Homing Offset (20), in steps of a Dynamixel X", render: dynamixel },
     Form { name: "xacro", purpose: "arguments JOINT_zero:=VALUE", render: xacro },
     Form {
         name: "robot-calibration",
         purpose: "the ROS package robot_calibration: loadOffsetYAML",
         render: robot_calibration,
     },
-    Form { name: "urdf", purpose: "the URDF with <calibration rising>, origins as they are", render: urdf },
+    Form { name: "urdf", purpose: "the URDF with <calibration rising>, origins unchanged", render: urdf },
 ];
 
-/// Why offsets have no such form.
+/// Why offsets cannot be written in a format.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OffsetsError {
-    /// No form of this name.
-    #[error("‹offsets-out›: \"{name}\" is no form; there are {known}")]
+    /// No format with this name.
+    #[error("‹offsets-out›: \"{name}\" is not a known format; known formats: {known}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// What there is.
         known: String,
     },
-    /// The form holds steps of a servo.
-    #[error("‹offsets-out› {form}: joint \"{joint}\" slides, and the form holds steps of servos; take csv")]
+    /// The format holds servo steps.
+    #[error("‹offsets-out› {form}: joint \"{joint}\" slides, and the format holds servo steps; use csv")]
     Slides {
         /// The form.
         form: &'static str,
         /// The joint.
         joint: String,
     },
-    /// The form is a URDF.
-    #[error("‹offsets-out› urdf: the form changes a URDF; give the robot as a URDF or xacro, or take csv")]
+    /// The format is a URDF.
+    #[error("‹offsets-out› urdf: the format edits a URDF; give the robot as a URDF or xacro, or use csv")]
     NeedsTree,
-    /// A calibration in the file is no number.
+    /// A calibration in the file is not a number.
     #[error(
-        "{file}:{line}: joint \"{joint}\": rising=\"{written}\" is no number; correct it, or take ‹offsets-out› csv"
+        "{file}:{line}: joint \"{joint}\": rising=\"{written}\" is not a number; correct it, or use ‹offsets-out› csv"
     )]
     NoNumber {
         /// The file.
@@ -110,7 +110,7 @@ pub enum OffsetsError {
         line: usize,
         /// The joint.
         joint: String,
-        /// What stands there.
+        /// The written value.
         written: String,
     },
     /// The URDF's text could not be edited.
@@ -118,20 +118,20 @@ pub enum OffsetsError {
     Export(#[from] ExportError),
 }
 
-/// The form of this name.
+/// The format with this name.
 ///
 /// # Errors
-/// There is none; the message lists those that there are.
+/// The name is unknown; the message lists the known ones.
 pub fn named(name: &str) -> Result<&'static Form, OffsetsError> {
     let known = || FORMS.iter().map(|form| form.name).collect::<Vec<_>>().join(", ");
     let found = FORMS.iter().find(|form| form.name == name);
     found.ok_or_else(|| OffsetsError::Unknown { name: name.to_owned(), known: known() })
 }
 
-/// Those that the data tell, and a sentence on each of the others.
+/// The offsets that the data determine, and a note on each of the others.
 fn told<'a>(offsets: &Offsets<'a>) -> (Vec<&'a Offset>, Vec<String>) {
     let (told, not): (Vec<&Offset>, Vec<&Offset>) = offsets.joints.iter().partition(|offset| offset.told);
-    let left_out = |offset: &&Offset| format!("the data do not tell the zero of \"{}\"; it is left out", offset.joint);
+    let left_out = |offset: &&Offset| format!("the data do not determine the zero of \"{}\"; left out", offset.joint);
     (told, not.iter().map(left_out).collect())
 }
 
@@ -153,9 +153,8 @@ fn quoted(name: &str) -> String {
 /// (ros-controls/ros2_control, `transmission_interface/simple_transmission.hpp`).
 fn ros2_control(offsets: &Offsets) -> Result<Written, OffsetsError> {
     let (told, left_out) = told(offsets);
-    let mut text = String::from(
-        "<!-- Inside <ros2_control>. Keep the reduction that stands there, and add to an offset that does. -->\n",
-    );
+    let mut text =
+        String::from("<!-- Inside <ros2_control>. Keep an existing reduction, and add to an existing offset. -->\n");
     for Offset { joint, zero, .. } in told {
         let name = crate::urdf::text::escaped(joint);
         let _ = writeln!(
@@ -169,10 +168,10 @@ fn ros2_control(offsets: &Offsets) -> Result<Written, OffsetsError> {
     Ok(Written { text, left_out })
 }
 
-/// Steps of servos by the joint, and what was left out of the file.
+/// Servo steps by joint, and what was omitted from the file.
 type Steps = (Vec<(String, i64)>, Vec<String>);
 
-/// Steps of a servo that turn its reading by the zero; a sentence on each that its register does not hold.
+/// Servo steps that shift the reading by the zero; a note on each that exceeds the register.
 #[allow(clippy::cast_possible_truncation, reason = "a zero of a joint is a few turns at most, thousands of steps")]
 fn steps(form: &'static str, (sign, most): (f64, i64), offsets: &Offsets) -> Result<Steps, OffsetsError> {
     let (told, mut left_out) = told(offsets);
@@ -184,7 +183,7 @@ fn steps(form: &'static str, (sign, most): (f64, i64), offsets: &Offsets) -> Res
         let steps = (sign * offset.zero * STEPS / TAU).round() as i64;
         if steps.abs() > most {
             left_out.push(format!(
-                "\"{}\" would change by {steps} steps, and the register holds {most}; mount its horn anew",
+                "\"{}\" would change by {steps} steps, and the register holds {most}; remount its horn",
                 offset.joint
             ));
         }
@@ -229,7 +228,7 @@ fn robot_calibration(offsets: &Offsets) -> Result<Written, OffsetsError> {
     Ok(Written { text, left_out })
 }
 
-/// As robot_calibration's `updateURDF` does it: added to `rising` where one stands.
+/// Like robot_calibration's `updateURDF`: added to an existing `rising`.
 fn urdf(offsets: &Offsets) -> Result<Written, OffsetsError> {
     let robot = offsets.drawn.ok_or(OffsetsError::NeedsTree)?;
     let (told, left_out) = told(offsets);
@@ -311,6 +310,6 @@ mod tests {
         assert!(matches!(urdf(&Offsets { joints: &joints, drawn: None }), Err(OffsetsError::NeedsTree)));
         let wrong = denavit_model::urdf::read("r.urdf", &source.replace("0.2", "x")).unwrap();
         let error = urdf(&Offsets { joints: &joints, drawn: Some(&wrong) }).unwrap_err().to_string();
-        assert!(error.starts_with("r.urdf:8: joint \"lift\": rising=\"x\" is no number"), "{error}");
+        assert!(error.starts_with("r.urdf:8: joint \"lift\": rising=\"x\" is not a number"), "{error}");
     }
 }

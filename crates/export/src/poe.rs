@@ -36,7 +36,7 @@ pub struct PoeFile {
     pub joints: Vec<ScrewEntry>,
     /// base_from_tip with every joint value 0: 4 rows of 4.
     pub home: [[f64; 4]; 4],
-    /// What was read otherwise than written, and other findings.
+    /// Numbers not read as written, and other findings.
     #[serde(default)]
     pub notes: Vec<NoteEntry>,
 }
@@ -52,7 +52,7 @@ pub struct ScrewEntry {
     pub coordinate: String,
     /// `[omega; v]` of unit length, or of any length where no scale is given.
     pub twist: [f64; 6],
-    /// m/rad; told by the twist, repeated for readers.
+    /// m/rad; follows from the twist, repeated for readers.
     #[serde(default)]
     pub pitch: f64,
     /// Joint value per coordinate.
@@ -177,7 +177,7 @@ pub fn text(chain: &Chain, notes: &[Note], units: Units) -> String {
     out
 }
 
-/// A pose as a matrix of four rows, translation in the units asked for.
+/// A pose as a matrix of four rows, translation in the given units.
 pub fn pose_text(pose: &se3::Pose, units: Units) -> String {
     let matrix = pose.to_homogeneous();
     let mut grid = Grid::new();

@@ -1,4 +1,4 @@
-//! What a view draws: links and their shapes, joints, where they sit and what moves them.
+//! What a view draws: links and their shapes, joints, their poses and drivers.
 
 use denavit_model::element::Element;
 use denavit_model::robot::{Geometry, Shape};
@@ -62,7 +62,7 @@ fn shape(robot: &Robot, shape: &Shape, reading: Reading) -> Value {
     })
 }
 
-/// Red, green, blue, opacity of a material, or of the one of its name beside the links.
+/// Red, green, blue, opacity of a material, or of the global material with its name.
 fn colour(robot: &Robot, material: &Element) -> Option<[f64; 4]> {
     let own = |element: &Element| {
         let stated = element.entries().into_iter().find(|(name, _)| name.ends_with("rgba"))?.1;

@@ -1,11 +1,11 @@
-//! What a table's document is made from: the table, how to show it, and what must be said with it.
+//! The data of a table document: the table, how to show it, and notes.
 
 use crate::numbers::Units;
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel, Table, TableJoint};
 use denavit_model::chain::{Coordinate, Quantity};
 use denavit_model::notes::Note;
 
-/// A table with everything that its document shows.
+/// A table with everything in its document.
 #[derive(Debug, Clone)]
 pub struct Sheet<'a> {
     /// The numbers.
@@ -14,7 +14,7 @@ pub struct Sheet<'a> {
     pub convention: Convention,
     /// Units of documents for people.
     pub units: Units,
-    /// What was read otherwise than it is written, and other findings.
+    /// Numbers not read as written, and other findings.
     pub notes: &'a [Note],
     /// Where the robot came from: a file's name.
     pub source: &'a str,
@@ -179,7 +179,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// The most by which everything that was read otherwise than it is written moves the tip, m; with it, how many.
+    /// Upper bound of the tip displacement by all numbers that were not read as written, m, and their count.
     pub fn displacement_bound(&self) -> (f64, usize) {
         let read = |note: &&Note| matches!(note, Note::IntendedAngle { .. } | Note::TreatedAsParallel { .. });
         let moving: Vec<f64> = self.notes.iter().filter(read).map(Note::tip_moves).collect();

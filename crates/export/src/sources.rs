@@ -1,9 +1,9 @@
-//! Tables and screw axes as sources: CSV, Markdown, printed tables and JSON back to a chain.
+//! Tables and screw axes as sources: reads CSV, Markdown, printed tables and JSON into a chain.
 //!
-//! What a file is, its content says: JSON by its `schema`, all else by the headings of its columns (`theta, d, alpha, a` or
-//! `wx … vz`) as people write them. Units stand in cells (`90°`), headings (`a (mm)`), comments or prose above the table,
-//! or are stated by the user; where nobody states them the numbers decide, and the choice is returned as a sentence.
-//! What is not understood is reported: as an error where a number depends on it, else as a note.
+//! The content determines the kind of file: JSON by its `schema`, all others by their column headings (`theta, d, alpha, a`
+//! or `wx … vz`) as people write them. Units are in cells (`90°`), headings (`a (mm)`), comments or text above the table,
+//! or are stated by the user; otherwise they are inferred from the numbers, and the choice is returned as a sentence.
+//! What is not understood is reported: as an error if a number depends on it, otherwise as a note.
 
 mod cell;
 mod header;
@@ -34,7 +34,7 @@ pub use stated::{ReadAs, Stated};
 const COLUMNS: [&str; 13] =
     ["row", "joint", "kind", "convention", "theta", "offset", "d", "alpha", "a", "r", "beta", "pitch", "scale"];
 
-/// The name here of a column of a D-H table, as a heading such as `Alpha [deg]` or `θ` means it; `None` where it is not read.
+/// Our name for a column of a D-H table with a heading such as `Alpha [deg]` or `θ`; `None` if it is not read.
 pub fn column(heading: &str) -> Option<&'static str> {
     let name = header::Heading::of(heading).name;
     COLUMNS.into_iter().find(|column| *column == name)
@@ -43,32 +43,32 @@ pub fn column(heading: &str) -> Option<&'static str> {
 /// A robot read from a table or from screw axes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// Denavit-Hartenberg numbers, as they stand in the file.
+    /// Denavit-Hartenberg numbers, as in the file.
     Table {
         /// The numbers.
         table: Table,
         /// How the file groups them.
         convention: Convention,
     },
-    /// Screw axes, or a table with frames that its rows have no place for.
+    /// Screw axes, or a table with frames that its rows cannot represent.
     Poe(Chain),
 }
 
-/// A robot that was read, and an account of everything in its file.
+/// A robot that was read, and an inventory of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Read {
     /// The robot.
     pub source: Source,
-    /// A sentence for everything that nobody states and that was taken as its numbers suggest.
+    /// A sentence for everything that was not stated and was inferred from the numbers.
     pub assumed: Vec<String>,
-    /// What is not understood, and was not read.
+    /// What was not understood and was ignored.
     pub notes: Vec<Note>,
     /// What became of every line, column, cell and key.
     pub inventory: Inventory,
 }
 
 impl Source {
-    /// The chain that it stands for.
+    /// The chain that it describes.
     ///
     /// # Errors
     /// As [`Chain::new`].
@@ -80,7 +80,7 @@ impl Source {
     }
 }
 
-/// Why a file is no table and no set of screw axes.
+/// Why a file is neither a table nor a set of screw axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceError {
     /// Where.
@@ -127,7 +127,7 @@ pub enum SourceErrorKind {
         /// What there is.
         found: String,
     },
-    /// A column that books use for two things.
+    /// A column name with two meanings in the literature.
     #[error(
         "\"{word}\" is the link length in some books and the link offset in others (Khalil); name the columns a and d",
         word = quoted(.0)
@@ -142,22 +142,22 @@ pub enum SourceErrorKind {
         second: String,
     },
     /// Commas and points as decimal marks in one file.
-    #[error("this number has another decimal mark than those before it; write all with a point, or all with a comma")]
+    #[error("this number uses another decimal mark than those before it; use a point in all, or a comma in all")]
     DecimalMarks,
     /// The JSON reader stopped.
-    #[error("not this JSON: {0}")]
+    #[error("invalid JSON for this schema: {0}")]
     Json(String),
     /// A schema of something else.
     #[error(
-        "schema \"{}\" is not a robot; denavit.table/1 and denavit.poe/1 are, and screw axes as Modern Robotics has them \
-         (keys M and Slist or Blist)",
+        "schema \"{}\" is not a robot; use denavit.table/1, denavit.poe/1, or screw axes as in Modern Robotics (keys \
+         M and Slist or Blist)",
         quoted(.0)
     )]
     Schema(String),
-    /// What a calibration found, which is no robot without the one that it corrects.
+    /// A calibration result, which is not a robot without the one that it corrects.
     #[error(
-        "this is what a calibration found of \"{}\": corrections to its drawing, which is not in it; `denavit edit ROBOT.urdf \
-         set-calibration {}` makes a URDF of both, which is read here",
+        "this is a calibration result for \"{}\": it holds only corrections to the nominal model; make a URDF of both \
+         with `denavit edit ROBOT.urdf set-calibration {}` and give that",
         quoted(robot),
         quoted(file)
     )]
@@ -179,8 +179,8 @@ pub enum SourceErrorKind {
         /// Cell.
         value: String,
     },
-    /// A number that must be there.
-    #[error("{column} is missing; write a number, 0 where there is none")]
+    /// A required number.
+    #[error("{column} is missing; write a number, 0 if there is none")]
     Missing {
         /// Column.
         column: String,
@@ -189,7 +189,7 @@ pub enum SourceErrorKind {
     #[error("kind is \"{}\"; write revolute, prismatic, helical or fixed", quoted(.0))]
     Kind(String),
     /// A helical joint without pitch, or another with one.
-    #[error("a {kind} joint with pitch {pitch}; a helical joint has a pitch in m/rad, the others none")]
+    #[error("a {kind} joint with pitch {pitch}; only a helical joint has a pitch (in m/rad)")]
     Pitch {
         /// Kind.
         kind: String,
@@ -199,7 +199,7 @@ pub enum SourceErrorKind {
     /// An unknown convention.
     #[error("convention is \"{word}\"; write distal (standard), proximal (modified, craig), paper or hayati", word = quoted(.0))]
     Convention(String),
-    /// File and user say different things.
+    /// File and user contradict each other.
     #[error("the file says {file} and the options say {user}; leave the option out, or correct the file")]
     Contradiction {
         /// What the file says.
@@ -211,13 +211,13 @@ pub enum SourceErrorKind {
     #[error("units are {0}; files are in m and rad")]
     Units(String),
     /// A row out of place.
-    #[error("row \"{}\" stands out of order; rows are base, 1, 2, …, tool", quoted(.0))]
+    #[error("row \"{}\" is out of order; rows are base, 1, 2, …, tool", quoted(.0))]
     Order(String),
     /// A coordinate that no entry declares.
     #[error("coordinate \"{}\" is not in `coordinates`; add it", quoted(.0))]
     Coordinate(String),
     /// A unit that is not known.
-    #[error("\"{}\" is no unit that is known here; write one of {known}", quoted(word))]
+    #[error("\"{}\" is not a known unit; write one of {known}", quoted(word))]
     UnknownUnit {
         /// As it is written.
         word: String,
@@ -225,7 +225,7 @@ pub enum SourceErrorKind {
         known: String,
     },
     /// More or fewer cells than columns.
-    #[error("the row has {found} cells and the header {expected}; give each cell a column")]
+    #[error("the row has {found} cells but the header has {expected}; give each cell a column")]
     Cells {
         /// How many there are.
         found: usize,
@@ -233,14 +233,14 @@ pub enum SourceErrorKind {
         expected: usize,
     },
     /// A variable where a number belongs.
-    #[error("{column} holds a variable; a joint moves in theta or d, so write a number")]
+    #[error("{column} holds a variable; only theta or d may vary, so write a number")]
     Variable {
         /// Column.
         column: String,
     },
     /// Two variables in one row.
     #[error(
-        "theta holds the variable {} and d the variable {}; a joint moves by one: write a number for the other",
+        "theta holds the variable {} and d the variable {}; a joint has one variable: write a number for the other",
         quoted(turn),
         quoted(slide)
     )]
@@ -251,7 +251,7 @@ pub enum SourceErrorKind {
         slide: String,
     },
     /// A kind that contradicts the variable.
-    #[error("kind is {kind}, and {column} holds the variable; correct one of the two")]
+    #[error("kind is {kind}, but {column} holds the variable; correct one of the two")]
     OtherKind {
         /// The kind.
         kind: String,
@@ -259,38 +259,38 @@ pub enum SourceErrorKind {
         column: String,
     },
     /// A fixed row with a variable.
-    #[error("kind is fixed, and the row holds a variable; correct one of the two")]
+    #[error("kind is fixed, but the row holds a variable; correct one of the two")]
     FixedMoves,
     /// An offset that may be of d.
-    #[error("the joint slides, so the offset may be one of d; add it to d, or name the column theta_offset")]
+    #[error("the joint is prismatic, so the offset may belong to d; add it to d, or name the column theta_offset")]
     OffsetOfSlide,
-    /// Limits the wrong way round.
-    #[error("the lower limit is above the upper one; write them the other way round")]
+    /// Swapped limits.
+    #[error("the lower limit is above the upper limit; swap them")]
     Limits,
     /// A quantity of a coordinate is unknown.
     #[error("quantity is \"{}\"; write angle or length", quoted(.0))]
     Quantity(String),
-    /// Screw axes that say two things.
+    /// Contradictory screw axes.
     #[error("{0}")]
     Axes(String),
-    /// Rows and joints do not go together.
+    /// Rows and joints do not match.
     #[error(transparent)]
     Rows(#[from] denavit_dh::conventions::RowsError),
     /// A twist that moves nothing.
     #[error(transparent)]
     Twist(#[from] TwistError),
-    /// The parts make no chain.
+    /// The parts do not form a chain.
     #[error(transparent)]
     Chain(#[from] ChainError),
 }
 
-/// Whether a text without telling name holds a table: the headings of its columns stand in it.
+/// Whether a text holds a table, judged by column headings, not by the file name.
 pub fn holds_table(text: &str) -> bool {
     rows::holds_header(text)
 }
 
 /// Reads a robot from CSV, Markdown or JSON text; `file` is used in messages, and its stem where the text gives no robot's
-/// name. `given` counts where the file states nothing.
+/// name. `given` applies where the file states nothing.
 ///
 /// # Errors
 /// The first thing that is wrong, with file, line, column and element.
@@ -307,7 +307,7 @@ pub fn read(file: &str, text: &str, given: Stated) -> Result<Source, SourceError
     read_whole(file, text, given).map(|read| read.source)
 }
 
-/// The same, with an account of everything in the file.
+/// The same, with an inventory of the file.
 ///
 /// # Errors
 /// As [`read`].
@@ -322,7 +322,7 @@ pub(crate) fn is_table_header(headings: &[String]) -> bool {
     rows::are_headings(headings)
 }
 
-/// A D-H table whose cells stand in a YAML document.
+/// A D-H table in a YAML document.
 pub(crate) fn of_cells(file: &str, cells: &Cells, given: Stated) -> Result<Read, SourceError> {
     table::of_rows(rows::Rows::of_cells(file, cells)?, given)
 }
@@ -366,22 +366,22 @@ fn as_headed(rows: &rows::Rows, read_as: ReadAs) -> ReadAs {
     ReadAs { length, angle, ..read_as }
 }
 
-/// A table to match a robot against, read in one of the ways that it can be read.
+/// A table to match a robot against, in one of its possible readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VendorReading {
     /// The numbers.
     pub table: VendorTable,
     /// How they are read.
     pub read_as: ReadAs,
-    /// Whether this is a choice among several that nobody made.
+    /// Whether this is one of several possible choices, not stated by anyone.
     pub tried: bool,
     /// Whether file or user state otherwise.
     pub against_what_is_stated: bool,
 }
 
-/// Reads a table to match a robot against: numbers keep the text that they are written as; base and tool frames are free,
-/// whatever the file says of them. The first reading is the one that [`read`] takes; then those that differ in convention
-/// or units where nobody states them; last those that contradict what is stated.
+/// Reads a table to match a robot against: numbers keep their written text; base and tool frames are free, whatever the
+/// file says. The first reading is the one that [`read`] takes; then those that differ in convention
+/// or units if these are not stated; last those that contradict what is stated.
 ///
 /// # Errors
 /// As [`read`]. Screw axes count as their distal table.
@@ -403,7 +403,7 @@ pub fn read_vendor_table(file: &str, text: &str, given: Stated) -> Result<Vec<Ve
     }
 }
 
-/// What must be said of a vendor's table: what [`read_vendor_table`] does not read, and rows that it reads as fixed frames.
+/// Notes on a vendor's table: what [`read_vendor_table`] does not read, and rows that it reads as fixed frames.
 ///
 /// # Errors
 /// As [`read_vendor_table`].
@@ -448,7 +448,7 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
                     || (stated.length.is_some_and(|stated| stated != length) && !lengths_in_headings);
                 let table = match table::vendor_of_rows(rows, read_as, true) {
                     Ok(table) => table,
-                    // A row with beta is no proximal one.
+                    // A row with beta is not proximal.
                     Err(_) if read_as != first => continue,
                     Err(error) => return Err(error),
                 };
@@ -479,7 +479,7 @@ fn readings(rows: &rows::Rows, given: Stated) -> Result<Vec<VendorReading>, Sour
     Ok(found)
 }
 
-/// What the schemas of corrections to a drawing begin with.
+/// Prefixes of the schemas of calibration results.
 const CORRECTIONS: [&str; 2] = ["denavit.calibration/", "denavit.prior/"];
 
 fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
@@ -515,7 +515,7 @@ fn json(file: &str, text: &str, given: Stated) -> Result<Read, SourceError> {
     Ok(Read { source, assumed: Vec::new(), notes, inventory })
 }
 
-/// The coordinates of a JSON file; limits stand in the order of the robot that it was made of, whichever is above.
+/// The coordinates of a JSON file; lower and upper limits are in the order of the original robot, even if swapped.
 fn coordinates_of(file: &str, entries: &[CoordinateEntry]) -> Result<Vec<Coordinate>, SourceError> {
     let coordinate = |entry: &CoordinateEntry| {
         let at = || place(file, 1, format!("coordinate \"{}\"", entry.name));
@@ -531,7 +531,7 @@ fn place(file: &str, line: usize, element: impl Into<String>) -> Place {
     Place { file: file.to_owned(), line, element: element.into() }
 }
 
-/// What every JSON source holds: numbers in m and rad.
+/// Every JSON source is in m and rad.
 fn in_si(file: &str, units: &UnitsEntry) -> Result<(), SourceError> {
     if units.length == "m" && units.angle == "rad" {
         return Ok(());

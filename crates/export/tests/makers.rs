@@ -210,7 +210,7 @@ fn what_a_form_cannot_hold_is_said() {
     let of =
         |maker: &str, drawn| (named(maker).unwrap().render)(&Calibrated { chain: &chain, drawn, effects: &effects });
     let xarm = of("xarm", None).unwrap();
-    assert!(xarm.left_out[0].contains("not in it: joint_compliance"), "{:?}", xarm.left_out);
+    assert!(xarm.left_out[0].contains("not joint_compliance"), "{:?}", xarm.left_out);
     // Its second axis is -z of its link: the form has joints about z alone.
     assert!(matches!(of("xarm", drawn), Err(MakerError::NotAboutZ { joint, .. }) if joint == "joint_a2"));
     let rail = robot("kuka/kr16_2_on_rail.urdf");
@@ -221,12 +221,12 @@ fn what_a_form_cannot_hold_is_said() {
     assert!(of("ur", drawn).unwrap_err().to_string().contains("six revolute joints"));
     assert!(matches!(of("pal", None), Err(MakerError::NeedsTree { .. })));
     let kinova = named("kinova").unwrap_err().to_string();
-    assert!(kinova.contains("on request, in no form that is published"), "{kinova}");
+    assert!(kinova.contains("on request, but in an unpublished format"), "{kinova}");
     assert!(kinova.contains("ur, ur-conf, xarm, franka, pal, robot-calibration"), "{kinova}");
     for (text, expected) in [
         ("kinematics:\n  joint1: {x: 0, y: 0}\n", "arm.yaml: kinematics.joint1.z is missing"),
         ("joint1:\n  kinematic: {x: 0, y: 0, z: a}\n", "arm.yaml:2: joint1.kinematic.z is \"a\", not a finite number"),
-        ("joints: 3\n", "no kinematics file that is known"),
+        ("joints: 3\n", "not a known kinematics file"),
         ("a: [1\n", "not well-formed YAML"),
     ] {
         let error = makers::read("arm.yaml", "arm", text, AngleOrder::Urdf).unwrap_err().to_string();

@@ -156,7 +156,7 @@ fn numbers_that_are_not_to_scale_leave_the_arm_on_the_sheet() {
     assert!(far_from_scale(&document.main.table));
     let page = html(&document);
     assert!(page.contains("far beyond the robot&#x27;s size") || page.contains("far beyond the robot's size"));
-    assert!(page.contains("common normal lies"), "the note is on the page");
+    assert!(page.contains("common normal is"), "the note is on the page");
     let svg = skeleton(&document.main.table, View::Isometric, Detail::Dimensioned, Units::default());
     assert!(texts(&svg).iter().any(|word| word == "x₀"), "the arm is on the sheet: {:?}", texts(&svg));
     assert!(svg.len() < 400_000);

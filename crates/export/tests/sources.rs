@@ -66,7 +66,7 @@ fn public_cases_of_tables_come_to_their_robots() {
     let opw = yaml(&wild("other-formats/opw.yaml").unwrap()).unwrap();
     near(tip(&opw, &[0.0; 6]), [0.5 + 1.55 + 1.0345 + 0.305, 0.0, 0.86 + 0.18]);
     let foreign = yaml(&wild("foreign-yaml-read-as-franka/openarm_like.yaml").unwrap()).unwrap_err().to_string();
-    assert!(foreign.contains("at right angles, and here they are not"), "{foreign}");
+    assert!(foreign.contains("at right angles, but here they are not"), "{foreign}");
     let conf = wild("ur-calibration-conf/calibration.conf").unwrap();
     assert!(ur_conf::is_one(&conf));
     let unnamed = ur_conf::read("c.conf", "c", &conf, None).unwrap_err().to_string();
@@ -93,13 +93,13 @@ fn what_a_row_says_twice_must_be_the_same() {
     for (text, said) in [
         ("theta,d,alpha,a\nq1,0,q2,0\n", "alpha holds a variable"),
         ("theta,d,alpha,a\nθ1,d1,0,0\n", "theta holds the variable theta1 and d the variable d1"),
-        ("kind,theta,d,alpha,a\nR,0,d1,0,0\n", "kind is revolute, and d holds the variable"),
-        ("kind,theta,d,alpha,a\nP,q1,0,0,0\n", "kind is prismatic, and theta holds the variable"),
-        ("kind,offset,d,alpha,a\nP,90,q1,0,0\n", "the offset may be one of d"),
-        ("theta,d,alpha,a\nq1,0,0,0,7\n", "the row has 5 cells and the header 4"),
+        ("kind,theta,d,alpha,a\nR,0,d1,0,0\n", "kind is revolute, but d holds the variable"),
+        ("kind,theta,d,alpha,a\nP,q1,0,0,0\n", "kind is prismatic, but theta holds the variable"),
+        ("kind,offset,d,alpha,a\nP,90,q1,0,0\n", "the offset may belong to d"),
+        ("theta,d,alpha,a\nq1,0,0,0,7\n", "the row has 5 cells but the header has 4"),
         ("theta,d,alpha,a\n90° + π/2,0,0,0\n", "theta is \"90° + π/2\""),
         ("theta,d [furlong],alpha,a\nq1,0,0,0\n", "column \"d [furlong]\": \"furlong\" is no unit"),
-        ("theta,d [deg],alpha,a\nq1,0,0,0\n", "\"deg\" is no unit that is known here"),
+        ("theta,d [deg],alpha,a\nq1,0,0,0\n", "\"deg\" is not a known unit here"),
         ("# units: furlong\ntheta,d,alpha,a\nq1,0,0,0\n", "t.csv:1: units: \"furlong\" is no unit"),
     ] {
         let message = refused("t.csv", text);
@@ -138,7 +138,7 @@ fn every_reader_of_tables_reports_what_it_does_not_understand() {
                 let text = rows.join("\n").replace(',', mark).replace("m; deg", "m, deg").replace("m\t deg", "m, deg");
                 if let Ok(read) = read_whole("t.csv", &text, Stated::default()) {
                     assert_eq!(place, 2, "{text}");
-                    reported(&read, "a row above the header is not read");
+                    reported(&read, "a row above the header is ignored");
                 }
             }
         }

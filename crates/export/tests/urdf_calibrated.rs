@@ -35,7 +35,7 @@ fn a_calibrated_urdf_moves_as_the_calibrated_chain() {
         let Ok(text) = std::fs::read_to_string(&path) else { continue };
         let Ok(robot) = urdf::read(&file, &text) else { continue };
         let Ok(nominal) = robot.chain(None, None, Reading::Intended) else { continue };
-        let planar = nominal.notes.iter().any(|note| note.to_string().contains("planar joint: stands as"));
+        let planar = nominal.notes.iter().any(|note| note.to_string().contains("planar joint: becomes"));
         if planar || nominal.value.joints().is_empty() {
             continue;
         }
@@ -111,8 +111,5 @@ fn what_a_urdf_cannot_say_is_refused() {
     let names = (nominal.name(), nominal.base(), nominal.tip());
     let scaled = Chain::new(names, nominal.coordinates().to_vec(), joints, *nominal.home()).unwrap();
     let message = with_chain(&robot, &scaled, Reading::Intended).unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "joint \"shoulder\": a joint scale of 1.002 cannot stand in a URDF; leave it to the controller"
-    );
+    assert_eq!(message, "joint \"shoulder\": joint scale 1.002 cannot be written in URDF; apply it in the controller");
 }

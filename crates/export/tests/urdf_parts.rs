@@ -104,10 +104,8 @@ fn plugins_that_name_a_moved_link_are_noted() {
     let notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
     assert_eq!(
         notes,
-        [
-            "test.urdf:4: <bodyName>: simulator settings name links whose frames move (1 in all, this one \"arm\"); they now \
-          act at the new frames, ‹keep-link-frames› leaves the old ones where they are"
-        ]
+        ["test.urdf:4: <bodyName>: simulator settings name links whose frames move (1 in total, this one \"arm\"); \
+             they now act at the new frames, ‹keep-link-frames› keeps the old frames"]
     );
 }
 
@@ -268,7 +266,7 @@ fn poses_move_along_in_their_own_notation() {
     );
     assert!(text.contains("<child>arm</child><pose>0 0 0.1 "), "{text}");
     let five = canonical(&robot(&sensor("<pose>0.1 0 0 0 0</pose>")), &Options::default()).unwrap_err().to_string();
-    assert!(five.starts_with("test.urdf:4: ") && five.contains("a <pose> in it is no pose"), "{five}");
+    assert!(five.starts_with("test.urdf:4: ") && five.contains("its <pose> is not a valid pose"), "{five}");
 }
 
 #[test]
@@ -303,7 +301,7 @@ fn markers_move_nothing_and_are_put_in_once() {
         "{taken}<link name=\"x\"/><joint name=\"y\" type=\"fixed\"><parent link=\"dh_0\"/><child link=\"x\"/></joint>"
     );
     let message = canonical(&robot(&taken), &options).unwrap_err().to_string();
-    assert_eq!(message, "test.urdf:2: link \"dh_0\": the name is needed for a frame of the export; rename it");
+    assert_eq!(message, "test.urdf:2: link \"dh_0\": the export needs this name for a frame; rename this element");
 }
 
 #[test]
@@ -340,7 +338,7 @@ fn a_name_that_is_taken_is_refused() {
     );
     let options = Options { link_frames: LinkFrames::Keep, ..Options::default() };
     let message = canonical(&robot(&body), &options).unwrap_err().to_string();
-    assert_eq!(message, "test.urdf:3: link \"arm_dh\": the name is needed for a frame of the export; rename it");
+    assert_eq!(message, "test.urdf:3: link \"arm_dh\": the export needs this name for a frame; rename this element");
     let options = Options { tip: Some("tool9".into()), ..Options::default() };
     let message = canonical(&robot(JOINT), &options).unwrap_err().to_string();
     assert_eq!(message, "test.urdf: the robot has no link \"tool9\"; did you mean \"tool\"?");

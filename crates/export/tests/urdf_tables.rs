@@ -92,7 +92,7 @@ fn a_scale_that_urdf_cannot_say_is_refused() {
     let message = from_table(&table, Convention::Distal).unwrap_err().to_string();
     assert_eq!(
         message,
-        "joint \"joint_2\": its value is 1.01 times its coordinate, which URDF cannot say; give it scale 1"
+        "joint \"joint_2\": its value is 1.01 times its coordinate, which URDF cannot express; give it scale 1"
     );
 }
 

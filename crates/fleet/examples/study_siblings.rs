@@ -1,8 +1,8 @@
-//! How good a robot is after a few poses, by itself and with the prior of its siblings.
+//! Accuracy of a calibration from a few poses, without and with the prior from sibling robots.
 //!
-//! A simulated fleet: UR5e arms of one series whose castings share errors, each with errors of its own, some of which come together
-//! (a batch), and zeros set by hand. Fifty are measured at forty positions; what they share is the prior of twenty others. Then real
-//! Pandas, whose ball sat in sockets: three are learned from, few rows of the fourth are fitted, other placements of it judge.
+//! A simulated fleet: UR5e arms of one series with shared casting errors, batch errors, individual errors, and zeros set by
+//! hand. Fifty are measured at forty positions; their common part is the prior of twenty others. Then real Pandas, with a
+//! ball in sockets: the prior comes from three, few rows of the fourth are fitted and other placements of it are the test.
 //!
 //! `cargo run --release -p denavit-fleet --example study_siblings [-- SOCKETS]` prints the tables of docs/fleet.md. SOCKETS: folder of
 //! the measurements of platonics-delft/kinematics_calibration, a folder for each arm.
@@ -37,8 +37,8 @@ const POSES: [usize; 6] = [4, 6, 8, 12, 20, 40];
 const LEARNED_FROM: u64 = 50;
 const JUDGED: u64 = 20;
 const HELD_OUT: usize = 100;
-/// Standard deviations of what the series shares, of what is a robot's own, and of each of two batches, as shares of 1 mrad and 1 mm;
-/// of the zeros, rad.
+/// Standard deviations of the errors of the series, of a robot, and of each of two batches, as fractions of 1 mrad and
+/// 1 mm; of the zeros, rad.
 const SERIES: f64 = 0.5;
 const OWN: f64 = 0.1;
 const BATCH: f64 = 0.2;
@@ -47,7 +47,7 @@ const ZERO: f64 = 5e-4;
 struct Series {
     chain: Chain,
     statics: Statics,
-    /// Changes of the parameters that all share, by each batch, and by each error of a robot's own.
+    /// Changes of the parameters common to all, of each batch, and by each individual error of a robot.
     common: DVector<f64>,
     batches: [DVector<f64>; 2],
     own: Vec<DVector<f64>>,
@@ -76,7 +76,7 @@ impl Series {
         Self { chain, statics, common, batches, own, kinds }
     }
 
-    /// A robot of the series; `knocked`: its third joint's zero is off by so much.
+    /// A robot of the series; `knocked`: error of its third joint's zero.
     fn robot(&self, serial: u64, knocked: f64) -> Arm {
         let mut random = ChaCha8Rng::seed_from_u64(serial);
         let mut change = self.common.clone();
@@ -85,7 +85,7 @@ impl Series {
         }
         let zero = self.own.len() / self.chain.joints().len();
         change += &self.own[3 * zero - 1] * (knocked / ZERO);
-        // Where instrument and target stand.
+        // Poses of instrument and target.
         let drawn = SimulationOptions { rows: 1, seed: serial, turn: 0.0, shift: 0.0, ..SimulationOptions::default() };
         let mut arm = simulate(&self.chain, &drawn, &NoEffects).arm;
         for (index, joint) in self.chain.joints().iter().enumerate() {
@@ -108,7 +108,7 @@ impl Series {
         Sibling::of(&format!("{serial:03}"), &self.chain, found.information.unwrap())
     }
 
-    /// Square of the held-out error by itself, with the prior, and the prior's weight.
+    /// Square of the held-out error without the prior and with it, and the prior's weight.
     fn judged(&self, serial: u64, knocked: f64, poses: usize, prior: &Earlier) -> [f64; 3] {
         let arm = self.robot(serial, knocked);
         let data = measured(&arm, poses, 2000 + serial);
@@ -143,7 +143,7 @@ fn fitted(
     on_this_thread(|| calibrate(chain, statics, data, test, &options)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Of the geometric stage on rows that were held out.
+/// Error of the geometric stage on held-out rows.
 fn square(found: &Calibration) -> f64 {
     let stage = found.report.stages.iter().find(|stage| stage.name == "geometric").unwrap();
     stage.test.as_ref().unwrap().of("position").unwrap().rms.powi(2)
@@ -205,7 +205,7 @@ fn row(name: &str, found: &[[f64; 3]]) {
     println!("| {name} | {alone:.3}, {alone_median:.3} | {with:.3}, {with_median:.3} | {weight:.2} |");
 }
 
-/// Arms, and the placements that judge.
+/// Arms, and their test placements.
 const PANDAS: [(&str, &[&str]); 4] = [
     ("panda_1", &["right"]),
     ("panda_2", &["high", "mid-high", "mid_left"]),
@@ -257,7 +257,7 @@ fn pandas(folder: &Path) {
     }
 }
 
-/// Rows of an arm to fit, and those of the placements that judge.
+/// Rows of an arm to fit, and those of the test placements.
 fn sockets(chain: &Chain, folder: &Path, held: &[&str]) -> (Measurements, Measurements) {
     let mut placements: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     placements.sort();

@@ -1,7 +1,7 @@
 //! The nightly watch over 10 000 healthy robots and 100 with a growing effect: false alarms, detections, nights until detection.
 //!
-//! A night of a UR5e is forty positions of one program, 0.05 mm noise. How its 24 parameters scatter together is measured on real
-//! calibrations of simulated nights, and so is what a growing effect does to them; then 10 100 robots live by these numbers.
+//! A night of a UR5e is forty positions of one program, 0.05 mm noise. The joint scatter of its 24 parameters, and the response to a
+//! growing effect, come from real calibrations of simulated nights; then 10 100 robots are simulated with these numbers.
 //!
 //! `cargo run --release -p denavit-fleet --example study_watch` prints the table of docs/fleet.md.
 
@@ -29,7 +29,7 @@ const SICK: usize = 100;
 const NIGHTS: i32 = 60;
 /// The effect grows from this night on.
 const ONSET: i32 = 20;
-/// Growth of what the effect moves the tip by, root mean square, mm a night.
+/// Growth of the tip displacement by the effect, root mean square, mm per night.
 const GROWTH: f64 = 0.005;
 /// Nights that are calibrated for the scatter.
 const CALIBRATED: u64 = 300;
@@ -67,7 +67,7 @@ impl Cell {
         DVector::from_vec(numbers.collect())
     }
 
-    /// What 1 mm of an effect does to the numbers: a difference of two nights with the same noise, at a quarter of a mm.
+    /// Response of the numbers to 1 mm of an effect: a difference of two nights with the same noise, at a quarter of a mm.
     fn response(&self, written: &str) -> DVector<f64> {
         let bare = self.night(1, NOISE, &NoEffects);
         let specification: EffectSpecification = format!("{written}=0.25mm").parse().unwrap();
@@ -87,7 +87,7 @@ fn main() {
     for night in &calibrated {
         covariance += (night - &mean) * (night - &mean).transpose() / (CALIBRATED as f64 - 1.0);
     }
-    // Parameters are told together: the least direction of 25 needs a floor before it has a root.
+    // The parameters are correlated: the smallest eigenvalue of 25 needs a lower bound before the root is taken.
     let scale = DVector::from_iterator(count, (0..count).map(|k| covariance[(k, k)].sqrt()));
     let mut unit = covariance.component_div(&(&scale * scale.transpose()));
     (0..count).for_each(|k| unit[(k, k)] += 1e-9);
@@ -106,7 +106,7 @@ fn main() {
             let (mut false_alarms, mut called, mut false_marks, mut expected) =
                 (0, std::collections::BTreeSet::new(), 0, 0.0);
             let mut found = vec![None; SICK];
-            // Share of mistakes among a night's marks, by whether anybody is sick.
+            // Fraction of false marks among a night's marks, by whether any robot is sick.
             let mut mistakes: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
             for tonight in 0..NIGHTS {
                 let said = watch_of(&fleet, &scatters, tonight, &how);
@@ -154,7 +154,7 @@ fn share(nights: &[f64]) -> String {
     format!("{mean:.3} ± {:.3}", variance.sqrt())
 }
 
-/// Robots whose numbers scatter together as `lower` says, in units of each number's own scatter.
+/// Robots whose numbers have the joint scatter `lower`, in units of each number's scatter.
 fn fleet(lower: &DMatrix<f64>, response: &DVector<f64>, tails: Option<f64>, seed: u64) -> Vec<Nights> {
     let count = lower.nrows();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -162,7 +162,7 @@ fn fleet(lower: &DMatrix<f64>, response: &DVector<f64>, tails: Option<f64>, seed
         let own: Vec<f64> = (0..count).map(|_| 100.0 * random.sample::<f64, _>(StandardNormal)).collect();
         let mut night = |day: i32| {
             let drawn = DVector::from_iterator(count, (0..count).map(|_| random.sample::<f64, _>(StandardNormal)));
-            // One bad night is bad for all numbers together.
+            // One bad night affects all numbers together.
             let wide = tails.map_or(1.0, |freedom| {
                 let chi: f64 = random.sample(ChiSquared::new(freedom).unwrap());
                 (freedom / chi).sqrt()

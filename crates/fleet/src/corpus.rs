@@ -1,4 +1,4 @@
-//! Thousands of robots' files: which are the same mechanism, which nearly, which break rules, and which commits changed them.
+//! Analyses thousands of robot files: equal and nearly equal mechanisms, rule violations, and the commits that changed them.
 
 mod clusters;
 mod files;
@@ -11,12 +11,12 @@ use crate::error::FleetError;
 use denavit_linear::threads::par_map;
 use serde::Serialize;
 
-/// How a corpus is looked at.
+/// Options for a corpus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorpusOptions {
-    /// Of fingerprints, m and rad: files that agree to this are one mechanism.
+    /// Tolerance of fingerprints, m and rad: files that agree to this are one mechanism.
     pub same: f64,
-    /// m and rad: mechanisms that differ by no more are nearly alike.
+    /// m and rad: mechanisms that differ by no more are similar.
     pub near: f64,
     /// Files read at the same time.
     pub threads: usize,
@@ -34,25 +34,25 @@ impl Default for CorpusOptions {
 pub struct Corpus {
     /// Every file, in the order given.
     pub files: Vec<CorpusFile>,
-    /// Files that are the same mechanism, by place in `files`; a mechanism with one file too. The largest first.
+    /// Files of the same mechanism, by index in `files`, including mechanisms with one file. The largest first.
     pub mechanisms: Vec<Vec<usize>>,
-    /// Mechanisms that are nearly alike, by place in `mechanisms`; where there are at least two.
+    /// Groups of at least two similar mechanisms, by index in `mechanisms`.
     pub near: Vec<Near>,
 }
 
-/// Mechanisms that are nearly alike.
+/// Similar mechanisms.
 #[derive(Debug, Clone, Serialize)]
 pub struct Near {
-    /// By place in `mechanisms`: each is near to another of these, and through it to all.
+    /// By index in `mechanisms`: each is similar to another of these (single linkage).
     pub mechanisms: Vec<usize>,
-    /// The largest displacement of a tip among the pairs that are near, m.
+    /// The largest displacement of a tip among the similar pairs, m.
     pub tips_apart_m: f64,
 }
 
-/// Looks at files; `tell` hears of each as it is read.
+/// Analyses files; `tell` is called for each file after reading.
 ///
 /// # Errors
-/// A file that was read before cannot be read again. What cannot be read at all is said of the file.
+/// A file that was read before cannot be read again. Unreadable files are reported in their entries.
 pub fn corpus(names: &[String], options: &CorpusOptions, tell: &(dyn Fn(&str) + Sync)) -> Result<Corpus, FleetError> {
     let files = in_parallel(names, options.threads, |name| {
         let file = files::examine(name, options.same);

@@ -15,11 +15,11 @@ const FIRST: Date = Date::constant(1970, 1, 1);
 impl FromStr for Day {
     type Err = String;
 
-    /// `YYYY-MM-DD`; a time of day behind it is left out.
+    /// `YYYY-MM-DD`; a time of day after it is ignored.
     fn from_str(text: &str) -> Result<Self, String> {
         let day = text.trim().split(['T', ' ']).next().unwrap_or_default();
         let date = day.parse::<Date>().ok().filter(|date| date.to_string() == day);
-        let date = date.ok_or_else(|| format!("\"{text}\" is no day; write it as 2026-11-22"))?;
+        let date = date.ok_or_else(|| format!("\"{text}\" is not a date; write it as 2026-11-22"))?;
         Ok(Self((date - FIRST).get_days()))
     }
 }

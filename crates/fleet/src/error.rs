@@ -1,9 +1,9 @@
-//! What ends a fleet's run; what is wrong with one robot is a row of the store instead.
+//! Errors that end a fleet run; an error of one robot is a row of the store instead.
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a run over a fleet cannot be done.
+/// Why a fleet run is impossible.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FleetError {
@@ -15,16 +15,16 @@ pub enum FleetError {
         /// What is wrong and the fix.
         message: String,
     },
-    /// A file or folder of the store that the system refuses.
-    #[error("{}: {reason}; what was finished is kept, run the same command again when this is fixed", file.display())]
+    /// An operating system error for a file or folder of the store.
+    #[error("{}: {reason}; finished results are kept; fix this and run the same command again", file.display())]
     Store {
         /// The file.
         file: PathBuf,
         /// The system's words.
         reason: String,
     },
-    /// A file of the store that holds something else.
-    #[error("{}: this is no file of a fleet's store: {reason}; take it out of the folder", file.display())]
+    /// A file of the store with other content.
+    #[error("{}: this is not a file of a fleet store: {reason}; remove it from the folder", file.display())]
     NotOurs {
         /// The file.
         file: PathBuf,
@@ -32,16 +32,16 @@ pub enum FleetError {
         reason: String,
     },
     /// Another run writes the store.
-    #[error("{}: another run writes into this store; wait for it, or name another folder", .0.display())]
+    #[error("{}: another run is writing to this store; wait for it, or name another folder", .0.display())]
     Busy(PathBuf),
     /// A folder that has no store.
-    #[error("{}: there is no fleet's store in this folder; `denavit fleet run MANIFEST -o FOLDER` makes one", .0.display())]
+    #[error("{}: this folder has no fleet store; `denavit fleet run MANIFEST -o FOLDER` makes one", .0.display())]
     NoStore(PathBuf),
-    /// A process that computes for another, and sees something else.
+    /// A worker process that sees other files or has another version.
     #[error(
-        "{0}: its files are not those that the run began with; every machine must see the same files under the same names, \
-        have the same version of denavit, and nobody may change them meanwhile; fix that and run it again: what was finished \
-        is kept"
+        "{0}: its files differ from those at the start of the run; every machine needs the same files under the same \
+         names and the same version of denavit, and the files must not change during the run; fix this and run again: \
+         finished results are kept"
     )]
     OtherFiles(String),
     /// A source that cannot be read.

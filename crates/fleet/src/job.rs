@@ -1,7 +1,7 @@
 //! Entries that other processes compute: they are handed jobs and hand back Parquet, and one process keeps the store.
 //!
-//! Only the process that holds the store writes it. So a worker that is lost, or that works on though nobody waits for it any
-//! more, can leave nothing half done, and needs no folder that it may write into.
+//! Only the process that holds the store writes it. A worker that is lost, or that continues although nobody waits for
+//! it, therefore leaves nothing half done, and needs no writable folder.
 
 use crate::error::FleetError;
 use crate::key::{Robots, key};
@@ -25,20 +25,20 @@ pub struct Job {
     pub entry: Entry,
 }
 
-/// What a job found, on its way to the store.
+/// The result of a job, before it is stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Computed {
     /// Name of each table that has rows, and its Parquet.
     pub tables: Vec<(String, Vec<u8>)>,
-    /// Why it was not done: the row of `runs` says it, too.
+    /// Why it failed; also in the row of `runs`.
     pub error: Option<String>,
 }
 
 impl Job {
-    /// Does the job, on this thread alone; paths are taken from the working directory.
+    /// Runs the job on this thread only; paths are relative to the working directory.
     ///
     /// # Errors
-    /// The files that are found here are not those that the key was made of, or this is another version of denavit.
+    /// The files here differ from those of the key, or this is another version of denavit.
     pub fn compute(&self) -> Result<Computed, FleetError> {
         if key(&self.entry, &Robots::default()) != self.key {
             return Err(FleetError::OtherFiles(self.entry.serial.clone()));
@@ -55,7 +55,7 @@ impl Job {
     }
 }
 
-/// A run over a fleet whose jobs are done elsewhere: what there is to do, and what came back.
+/// A fleet run with jobs computed elsewhere: pending jobs and returned results.
 #[derive(Debug)]
 pub struct Ledger {
     held: LockedStore,
@@ -63,14 +63,14 @@ pub struct Ledger {
     keys: HashSet<String>,
     runs: Runs,
     kept: HashSet<String>,
-    /// Continue from their siblings: they are not dealt out yet.
+    /// Entries with a siblings prior, not handed out yet.
     later: Vec<Entry>,
     report: RunReport,
 }
 
 impl Ledger {
-    /// The run, and the jobs that are to be done first: each once, in the manifest's order. [`Ledger::go_on`] has those that continue
-    /// from their siblings.
+    /// The run, and its first jobs: each once, in the manifest's order. [`Ledger::go_on`] returns those with a siblings
+    /// prior.
     ///
     /// # Errors
     /// A file of the store cannot be read.
@@ -83,7 +83,7 @@ impl Ledger {
         Ok((ledger, jobs))
     }
 
-    /// Those of some entries that are to be done; the others are counted as known.
+    /// The jobs of the entries without a result; the others are counted as known.
     fn undone(&mut self, entries: Vec<Entry>) -> Vec<Job> {
         let robots = Robots::default();
         let of_entries = par_map(entries.iter(), threads(), || (), |(), entry| key(entry, &robots));
@@ -98,13 +98,13 @@ impl Ledger {
         jobs
     }
 
-    /// Entries that continue from their siblings and are not dealt out yet.
+    /// Entries with a siblings prior that are not handed out yet.
     pub fn later(&self) -> &[Entry] {
         &self.later
     }
 
-    /// The jobs that continue from their siblings, once all others are kept. None while one of those is missing: what siblings know
-    /// would depend on which.
+    /// The jobs with a siblings prior, after all other results are stored. None while one is missing: the prior would
+    /// depend on which.
     ///
     /// # Errors
     /// A file of the store cannot be read.
@@ -117,15 +117,15 @@ impl Ledger {
         Ok(self.undone(later))
     }
 
-    /// Whether the result of a job that was dealt out did not come.
+    /// Whether the result of a job that was handed out is missing.
     fn is_missing(&self) -> bool {
         self.keys.iter().any(|key| !self.kept.contains(key) && !self.runs.done.contains_key(key))
     }
 
-    /// Writes what a job found. The same job a second time changes nothing.
+    /// Stores the result of a job. Storing it a second time changes nothing.
     ///
     /// # Errors
-    /// The store cannot be written; what was kept before stays in it.
+    /// The store cannot be written; earlier results stay in it.
     pub fn keep(&mut self, job: &Job, found: &Computed) -> Result<(), FleetError> {
         if !self.kept.insert(job.key.clone()) {
             return Ok(());
@@ -138,10 +138,10 @@ impl Ledger {
         Ok(())
     }
 
-    /// Ends the run and lets go of the store. Runs of older inputs or options go, but for those whose new result did not come.
+    /// Ends the run and releases the store. Runs with older inputs or options are removed, except where the new result is missing.
     ///
     /// # Errors
-    /// The store cannot be written; what was kept before stays in it.
+    /// The store cannot be written; earlier results stay in it.
     pub fn close(self) -> Result<RunReport, FleetError> {
         let unfinished = self.is_missing() || !self.later.is_empty();
         let Self { held, entries, keys, runs, report, .. } = self;

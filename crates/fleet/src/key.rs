@@ -1,4 +1,4 @@
-//! What a run's result depends on, as one hash: the bytes of its inputs, its options, the version.
+//! A hash of everything that a run's result depends on: the bytes of its inputs, its options, the version.
 
 use crate::manifest::{Entry, PriorSource};
 use crate::tasks::source_options;
@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Counts up when the tables of a result change.
+/// Incremented when the tables of a result change.
 const TABLES_VERSION: &str = "fleet tables 2";
 
 /// Hashes of robots' files, which many entries share.
@@ -15,8 +15,8 @@ pub(crate) struct Robots(Mutex<HashMap<String, [u8; 32]>>);
 
 /// The key of an entry: SHA-256, 64 hexadecimal digits.
 ///
-/// Of a xacro file the URDF that it expands to is hashed, as it may include others. A file that cannot be read gives a key
-/// all the same, which changes when it can be read.
+/// For a xacro file the expanded URDF is hashed, because it may include other files. An unreadable file also gives a key,
+/// which changes when it becomes readable.
 pub(crate) fn key(entry: &Entry, robots: &Robots) -> String {
     let mut hash = Sha256::new();
     for part in [TABLES_VERSION, env!("CARGO_PKG_VERSION")] {

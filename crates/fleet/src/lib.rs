@@ -1,11 +1,11 @@
-//! Many robots, many nights.
+//! Calibration runs over many robots and nights, and their statistics.
 //!
 //! ```text
 //! manifest ──► run (all cores, a robot each) ──► store: Parquet ──► watch · report · priors
 //!                 calibrate · table · check · fingerprint · diff
 //! ```
-//! The crate writes into the folder of its store alone, every file as a whole; it prints nothing. What is statistics knows
-//! no store: plain numbers in, plain numbers out.
+//! The crate writes only into the folder of its store, every file as a whole; it prints nothing. The statistics do not
+//! use the store: plain numbers in, plain numbers out.
 
 pub mod corpus;
 mod day;

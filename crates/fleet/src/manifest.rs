@@ -1,4 +1,4 @@
-//! What to do over which robots: CSV, TOML, or a pattern of folders, to one entry per robot, night and task.
+//! Reads a manifest (CSV, TOML, or a pattern of folders) into one entry per robot, night and task.
 
 mod pattern;
 
@@ -43,7 +43,7 @@ impl Task {
     }
 }
 
-/// What a fit continues from.
+/// The prior of a fit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PriorSource {
@@ -66,7 +66,7 @@ impl PriorSource {
     }
 }
 
-/// The word for what a robot's siblings know.
+/// The word for the siblings prior.
 pub(crate) const SIBLINGS: &str = "siblings";
 
 /// One robot, one night, one task.
@@ -86,7 +86,7 @@ pub struct Entry {
     pub data: Vec<String>,
     /// Test data.
     pub test: Option<String>,
-    /// What the fit continues from.
+    /// The prior of the fit.
     pub prior: Option<PriorSource>,
     /// For [`Task::Diff`]: what the robot is compared with.
     pub against: Option<String>,
@@ -95,13 +95,13 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Whether it continues from its siblings, whose calibrations by themselves must be there before.
+    /// Whether it has a siblings prior, which needs earlier calibrations of siblings without this prior.
     pub(crate) fn learns(&self) -> bool {
         matches!(self.prior, Some(PriorSource::Siblings { .. }))
     }
 }
 
-/// How a task is done; the words are those of the command line's options.
+/// Options of a task, named like those of the command line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TaskOptions {
     /// Link that the chain starts at.
@@ -116,7 +116,7 @@ pub struct TaskOptions {
     pub max_effects: Option<usize>,
     /// Mass of all moving links, kg, for a description without masses.
     pub mass: Option<f64>,
-    /// Share of the rows to hold out.
+    /// Fraction of the rows to hold out.
     pub hold_out: Option<f64>,
     /// Of the choice of rows held out.
     pub seed: u64,
@@ -130,7 +130,7 @@ pub struct TaskOptions {
     pub arguments: Vec<(String, String)>,
 }
 
-/// Every word that an entry may have.
+/// Every key of an entry.
 pub const WORDS: &[&str] = &[
     "serial",
     "robot",
@@ -155,13 +155,13 @@ pub const WORDS: &[&str] = &[
     "arguments",
 ];
 
-/// Reads a manifest: a TOML file by its name, else CSV; a word with `{serial}` in it is a pattern of folders.
+/// Reads a manifest: a TOML file by its name, otherwise CSV; a name with `{serial}` in it is a pattern of folders.
 ///
-/// Paths are taken from the manifest's folder. `defaults` are words for every entry that does not say otherwise, such as the
+/// Paths are relative to the manifest's folder. `defaults` apply to every entry that does not override them, such as the
 /// robot of a pattern.
 ///
 /// # Errors
-/// The file cannot be read, an entry has an unknown word, or lacks one that it needs.
+/// The file cannot be read, or an entry has an unknown key or lacks a required one.
 pub fn read(name: &str, defaults: &[(String, String)]) -> Result<Vec<Entry>, FleetError> {
     let defaults: BTreeMap<String, String> = defaults.iter().cloned().collect();
     known_words("‹set›", defaults.keys())?;
@@ -174,7 +174,7 @@ pub fn read(name: &str, defaults: &[(String, String)]) -> Result<Vec<Entry>, Fle
     let entries =
         if toml { of_toml(&file, &text, &folder, &defaults) } else { of_csv(&file, &text, &folder, &defaults) }?;
     if entries.is_empty() {
-        return Err(FleetError::manifest(file, "it names no robot; write a row serial,robot,data,date for each"));
+        return Err(FleetError::manifest(file, "it names no robot; write one row serial,robot,data,date for each"));
     }
     Ok(entries)
 }
@@ -184,7 +184,7 @@ type Words = BTreeMap<String, String>;
 fn known_words<'a>(place: &str, words: impl Iterator<Item = &'a String>) -> Result<(), FleetError> {
     for word in words {
         if !WORDS.contains(&word.as_str()) {
-            let message = format!("\"{word}\" is no word of a manifest; there are {}", WORDS.join(", "));
+            let message = format!("\"{word}\" is not a manifest key; keys are {}", WORDS.join(", "));
             return Err(FleetError::manifest(place, message));
         }
     }
@@ -196,7 +196,7 @@ fn of_csv(file: &str, text: &str, folder: &Path, defaults: &Words) -> Result<Vec
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let wrong = |error: &csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
-        FleetError::manifest(format!("{file}:{line}"), format!("{error}; every row needs as many cells as the heading"))
+        FleetError::manifest(format!("{file}:{line}"), format!("{error}; every row needs as many cells as the header"))
     };
     let heading: Vec<String> = reader.headers().map_err(|error| wrong(&error))?.iter().map(str::to_owned).collect();
     known_words(&format!("{file}:1"), heading.iter())?;
@@ -256,7 +256,7 @@ fn text_of(value: &toml::Value) -> String {
 fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError> {
     let wrong = |message: String| FleetError::manifest(place, message);
     let word = |name: &str| words.get(name).map(|text| text.trim()).filter(|text| !text.is_empty());
-    let needed = |name: &str, fix: &str| word(name).ok_or_else(|| wrong(format!("there is no {name}; {fix}")));
+    let needed = |name: &str, fix: &str| word(name).ok_or_else(|| wrong(format!("{name} is missing; {fix}")));
     let path = |name: &str| {
         let kept = name.starts_with("git:") || Path::new(name).is_absolute() || folder.as_os_str().is_empty();
         if kept { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
@@ -271,11 +271,11 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
             .parse::<f64>()
             .ok()
             .filter(|number| number.is_finite() && *number >= 0.0)
-            .ok_or_else(|| wrong(format!("{name} \"{text}\" is no number of 0 or more"))),
+            .ok_or_else(|| wrong(format!("{name} \"{text}\" is not a number of 0 or more"))),
     };
     let count = |name: &str, otherwise: u64| match word(name) {
         None => Ok(otherwise),
-        Some(text) => text.parse::<u64>().map_err(|_| wrong(format!("{name} \"{text}\" is no whole number"))),
+        Some(text) => text.parse::<u64>().map_err(|_| wrong(format!("{name} \"{text}\" is not a whole number"))),
     };
     let data: Vec<String> = list("data").iter().map(|name| path(name)).collect();
     let task = match word("task") {
@@ -288,40 +288,40 @@ fn entry(words: &Words, folder: &Path, place: &str) -> Result<Entry, FleetError>
     };
     if task == Task::Calibrate && data.is_empty() {
         return Err(wrong(
-            "there are no data to calibrate with; name the file of measurements in the column data".into(),
+            "there are no data for the calibration; name the measurement file in the column data".into(),
         ));
     }
     let against = word("against").map(path);
     if task == Task::Diff && against.is_none() {
-        return Err(wrong("there is nothing to compare with; name a robot in the column against".into()));
+        return Err(wrong("there is no robot to compare with; name one in the column against".into()));
     }
     let prior = word("prior").map(|name| match name {
         SIBLINGS => PriorSource::Siblings { learned: None },
         file => PriorSource::File(path(file)),
     });
     if prior.is_some() && task != Task::Calibrate {
-        return Err(wrong(format!("prior is of the task calibrate, and this is {}; leave it out", task.name())));
+        return Err(wrong(format!("only the task calibrate has a prior, but this is {}; leave it out", task.name())));
     }
     let pair = |text: String| {
         let split = text.split_once(":=").map(|(name, value)| (name.to_owned(), value.to_owned()));
-        split.ok_or_else(|| wrong(format!("\"{text}\" is no argument of a xacro file; write NAME:=VALUE")))
+        split.ok_or_else(|| wrong(format!("\"{text}\" is not an argument of a xacro file; write NAME:=VALUE")))
     };
     let mass = word("mass").map(|_| number("mass", 0.0)).transpose()?;
     if mass == Some(0.0) {
-        return Err(wrong("mass is that of all moving links in kg; write a number above 0".into()));
+        return Err(wrong("mass is the mass of all moving links in kg; write a number above 0".into()));
     }
     let max_effects = word("max_effects").map(|_| count("max_effects", 0)).transpose()?;
     let max_effects = max_effects.map(|most| usize::try_from(most).unwrap_or(usize::MAX));
     let hold_out = word("hold_out").map(|_| number("hold_out", 0.0)).transpose()?.filter(|share| *share > 0.0);
     if hold_out.is_some_and(|share| share >= 1.0) {
-        return Err(wrong("hold_out is a share of the rows; write a number between 0 and 1".into()));
+        return Err(wrong("hold_out is a fraction of the rows; write a number between 0 and 1".into()));
     }
     Ok(Entry {
         serial: needed("serial", "name the robot in the column serial")?.to_owned(),
         date: word("date").map(str::parse).transpose().map_err(wrong)?,
         event: word("event").unwrap_or_default().to_owned(),
         task,
-        robot: path(needed("robot", "name its URDF in the column robot, or for all by ‹set› robot=FILE")?),
+        robot: path(needed("robot", "name its URDF in the column robot, or for all with ‹set› robot=FILE")?),
         data,
         test: word("test").map(path),
         prior,

@@ -1,4 +1,4 @@
-//! The nights of a store as the statistics take them: robots by numbers by nights.
+//! The nights of a store as input of the statistics: robots by numbers by nights.
 
 use crate::day::Day;
 use crate::error::FleetError;
@@ -40,7 +40,7 @@ pub struct Fleet {
     pub numbers: Vec<Number>,
     /// Nights of each robot, values in the order of `numbers`.
     pub nights: Vec<Nights>,
-    /// Standard deviations of the last night, in the order of `numbers`, and how much of each is the prior's.
+    /// Standard deviations of the last night, in the order of `numbers`, and the prior's share of each.
     pub last: Vec<Vec<Option<(f64, f64)>>>,
     /// Key of the last night of each robot.
     pub last_keys: Vec<String>,
@@ -49,9 +49,9 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// Reads the calibrations that have a date and were done.
+    /// Reads the successful calibrations with a date.
     ///
-    /// In memory are a number for each parameter and night, and some thousand rows of the table that is read.
+    /// Memory holds one number for each parameter and night, and some thousand rows of the table being read.
     ///
     /// # Errors
     /// A file of the store cannot be read.
@@ -98,7 +98,7 @@ impl Fleet {
                 put(values, of_kinds[night.kind], rms);
             }
         }
-        // Places as they were given out; they are put in the order of the names.
+        // Indices in order of creation, reordered by name.
         let order: Vec<usize> = index.values().copied().collect();
         let mut fleet = Self {
             nights: serials.iter().map(|_| Nights::default()).collect(),
@@ -137,7 +137,7 @@ impl Fleet {
         self.nights[robot].nights.iter().filter_map(point).collect()
     }
 
-    /// What became of each number of a robot that did not stay; tolerances are of m and rad, about the first nights.
+    /// Changes of each number of a robot that did not stay constant; tolerances in m and rad refer to the first nights.
     pub fn histories(&self, robot: usize, reference: usize, tolerances: [f64; 2]) -> Vec<History> {
         let of = |number: usize| {
             let mut points = self.points(robot, number);
@@ -177,7 +177,7 @@ pub struct Shared {
 }
 
 impl Fleet {
-    /// What robots of a kind share, by their last nights: numbers that at least six of them know better than the prior.
+    /// Populations of robots of a kind, from their last nights: numbers that at least six of them know better than the prior.
     pub fn shared(&self) -> Vec<Shared> {
         let of = |number: usize| {
             let mut robots = Vec::new();
@@ -200,7 +200,7 @@ impl Fleet {
     }
 }
 
-/// What became of a number.
+/// A change of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// Which.
@@ -237,7 +237,7 @@ fn in_order<T: Clone>(list: &[Option<T>], order: &[usize]) -> Vec<Option<T>> {
     order[..long].iter().map(at).collect()
 }
 
-/// What is known of a night before its values are.
+/// Data of a night before its values are read.
 struct KnownNight {
     robot: usize,
     day: i32,
@@ -247,7 +247,7 @@ struct KnownNight {
     rms: Option<f64>,
 }
 
-/// Who was calibrated when.
+/// Which robot was calibrated when.
 struct Calendar {
     serials: Vec<String>,
     /// Names of the kinds of robots.
@@ -257,7 +257,7 @@ struct Calendar {
 }
 
 impl Calendar {
-    /// Calibrations with a date that were done.
+    /// Successful calibrations with a date.
     fn read(store: &Store) -> Result<Self, FleetError> {
         let wanted = ["key", "serial", "date", "task", "name", "event", "ok", "rms"];
         let [key, serial, date, task, name, event, ok, rms] = wanted.map(|name| RUNS.index(name));

@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, HashMap};
 const LISTED: usize = 20;
 const WEEK: i32 = 7;
 
-/// What the pages show.
+/// The content of the pages.
 #[derive(Debug)]
 pub struct Report<'a> {
     fleet: &'a Fleet,
@@ -86,7 +86,7 @@ pub fn file_name(serial: &str) -> String {
 }
 
 impl<'a> Report<'a> {
-    /// Reads what the pages show beside the nights.
+    /// Reads the content of the pages other than the nights.
     ///
     /// # Errors
     /// A file of the store cannot be read.

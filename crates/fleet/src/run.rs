@@ -1,4 +1,4 @@
-//! Every entry of a manifest on every core: work that succeeded is not done again, and a bad robot is a row.
+//! Runs every entry of a manifest on all cores: successful work is not repeated, and a failed robot is a row.
 
 use crate::error::FleetError;
 use crate::job::{Computed, Job};
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Small files of this many runs are merged into one while others are computed.
+/// The small files of this many runs are merged into one while others are computed.
 pub(crate) const MERGED_AT: usize = 256;
 
 /// How an entry ended.
@@ -28,7 +28,7 @@ pub enum Outcome {
     Failed(String),
 }
 
-/// What a run over a fleet did; the contract of `denavit fleet run --json`.
+/// The result of a fleet run; the contract of `denavit fleet run --json`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct RunReport {
     /// Folder of the store.
@@ -41,7 +41,7 @@ pub struct RunReport {
     pub known: usize,
     /// Rows with an error among those computed now.
     pub failed: usize,
-    /// Runs that newer inputs or options replaced, taken out of the store.
+    /// Runs that newer inputs or options replaced, removed from the store.
     pub replaced: usize,
     /// The rows with an error, by robot, night and task.
     pub failures: Vec<FailedEntry>,
@@ -57,7 +57,7 @@ pub struct FailedEntry {
     pub date: Option<String>,
     /// What was to be done.
     pub task: &'static str,
-    /// Why it was not.
+    /// Why it failed.
     pub error: String,
 }
 
@@ -90,9 +90,9 @@ impl RunReport {
 /// How a fleet is run.
 #[derive(Debug, Clone)]
 pub struct RunOptions {
-    /// Robots computed at the same time; each on one thread, so that nothing depends on how many there are.
+    /// Robots computed in parallel; each on one thread, so that results do not depend on this number.
     pub threads: usize,
-    /// Asks robots that are being computed to stop; nothing of them is kept.
+    /// Asks running computations to stop; their results are discarded.
     pub stop: Stop,
 }
 
@@ -102,10 +102,10 @@ impl Default for RunOptions {
     }
 }
 
-/// Runs the entries into the store; `tell` hears of each as it ends, and may break off.
+/// Runs the entries into the store; `tell` is called for each as it ends, and may stop the run.
 ///
 /// # Errors
-/// The store cannot be written; what was finished stays in it.
+/// The store cannot be written; finished results stay in it.
 pub fn run(
     entries: &[Entry],
     held: &LockedStore,
@@ -128,7 +128,7 @@ pub fn run(
     let (later, first): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.learns());
     work.all(&first, options.threads)?;
     if !later.is_empty() && !work.broken_off.load(Ordering::Relaxed) {
-        // What siblings share is learned when every robot that is calibrated by itself has been, so that it does not depend on
+        // The siblings prior is learned after all robots without this prior are calibrated, so that it is independent of
         // the order of work.
         let keys = work.report.lock().expect("counting does not panic").1.clone();
         let priors = Priors::learned(store, entries, &keys, options.threads)?;
@@ -142,12 +142,12 @@ pub fn run(
     Ok(report.in_order(gone.len()))
 }
 
-/// What an entry is of.
+/// The robot, night and task of an entry.
 pub(crate) fn slot(entry: &Entry) -> Slot {
     Slot { serial: entry.serial.clone(), date: entry.date, task: entry.task.name().into() }
 }
 
-/// Keys of the store whose robot, night and task stand in the manifest with other inputs or options.
+/// Keys of the store whose robot, night and task are in the manifest with other inputs or options.
 pub(crate) fn replaced<'a>(
     entries: impl IntoIterator<Item = &'a Entry>,
     runs: &Runs,

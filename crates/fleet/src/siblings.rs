@@ -1,7 +1,7 @@
-//! What the robots of a store share, learned from them and written as the prior of another's fit.
+//! Learns the common errors of the robots in a store, and writes them as the prior of another robot's fit.
 //!
-//! It is learned from the last calibration that each robot had by itself: what went on from siblings is not learned from again, so
-//! that no robot's rows come back to it through the others, and the order of work changes nothing.
+//! The prior uses the last calibration of each robot without a siblings prior: then no robot's rows return to it through
+//! the others, and the order of work has no effect.
 
 use crate::Day;
 use crate::error::FleetError;
@@ -19,7 +19,7 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 use denavit_model::{Chain, ChainJoint};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// A robot that was calibrated by itself.
+/// A robot that was calibrated without a siblings prior.
 #[derive(Debug, Clone)]
 pub struct Sibling {
     /// The robot.
@@ -32,13 +32,13 @@ pub struct Sibling {
     pub tip: String,
     /// The night.
     date: Option<Day>,
-    /// Twist `[omega; v]` of each joint's axis as drawn.
+    /// Twist `[omega; v]` of each joint's nominal axis.
     axes: BTreeMap<String, [f64; 6]>,
     information: Information,
 }
 
 impl Sibling {
-    /// A robot by what its rows say.
+    /// A robot from the information of its rows.
     pub fn of(serial: &str, chain: &Chain, information: Information) -> Self {
         let axis = |joint: &ChainJoint| (joint.name.clone(), joint.screw.twist().into());
         Self {
@@ -53,10 +53,10 @@ impl Sibling {
     }
 }
 
-/// Reads the last calibration of each robot that it had by itself, to each of its tips, in the order of their names and nights;
-/// `counts` may leave runs out, by what they are of and their key.
+/// Reads the last calibration of each robot without a siblings prior, for each of its tips, in the order of their names
+/// and nights; `counts` may exclude runs by robot, night, task and key.
 ///
-/// In memory are some hundred numbers for each robot.
+/// Memory holds some hundred numbers for each robot.
 ///
 /// # Errors
 /// A file of the store cannot be read.
@@ -143,7 +143,7 @@ fn read_information(store: &Store, keys: &HashSet<&str>) -> Result<HashMap<Strin
             let i = places[parameter];
             match other.map(|other| places.get(&other)) {
                 Some(Some(&k)) => (matrix[(i, k)], matrix[(k, i)]) = (*value, *value),
-                // A parameter beside one that has no row of its own.
+                // A parameter paired with one that has no row.
                 Some(None) => {}
                 None => pull[i] = *value,
             }
@@ -161,7 +161,7 @@ struct Last {
     robot: String,
 }
 
-/// What robots of one drawing share.
+/// The population of robots of one nominal model.
 #[derive(Debug)]
 pub struct Learned {
     drawing: Drawing,
@@ -173,8 +173,8 @@ pub struct Learned {
 }
 
 impl Learned {
-    /// Learned from those that are made to the drawing of this chain, from the last run of each robot: one that was calibrated to two
-    /// links behind the same joints counts once. `None`: they are too few.
+    /// Learned from the robots with the nominal model of this chain, from the last run of each: a robot calibrated to two
+    /// links after the same joints counts once. `None`: there are too few.
     pub fn of(chain: &Chain, siblings: &[Sibling]) -> Option<Self> {
         let drawing = Drawing::of(chain);
         let in_coordinates = |sibling: &Sibling| {
@@ -191,7 +191,7 @@ impl Learned {
         Some(Self { drawing, serials, robots, population })
     }
 
-    /// The prior of a robot: what all others share. `None`: there are too few others.
+    /// The prior of a robot, from all others. `None`: there are too few others.
     pub fn prior(&self, of: Option<&str>) -> Option<Earlier> {
         let robots: Vec<&RobotInformation> = self.robots.iter().collect();
         let own = of.and_then(|of| self.serials.iter().position(|serial| serial == of));
@@ -205,7 +205,7 @@ impl Learned {
 #[derive(Debug, Default)]
 pub(crate) struct Priors(HashMap<Kind, HashMap<String, String>>);
 
-/// What makes two entries robots of one drawing, as far as the manifest says.
+/// What identifies entries of one nominal model, as far as the manifest states it.
 type Kind = (String, Option<String>, Option<String>, Vec<(String, String)>);
 
 fn kind(entry: &Entry) -> Kind {
@@ -214,8 +214,8 @@ fn kind(entry: &Entry) -> Kind {
 }
 
 impl Priors {
-    /// Learned for the entries of a run that continue from their siblings, when those that do not are done; `keys` are theirs. Runs
-    /// of the store that this run takes the place of are not learned from: another run over the same finds the same priors.
+    /// Learned for the entries of a run with a siblings prior, after the entries without one (with `keys`) are done. Runs in
+    /// the store that this run replaces are excluded: repeating the run gives the same priors.
     pub(crate) fn learned(
         store: &Store,
         entries: &[Entry],
@@ -238,7 +238,7 @@ impl Priors {
         Ok(Self(priors))
     }
 
-    /// The entry with what its siblings know.
+    /// The entry with its siblings prior.
     pub(crate) fn given(&self, entry: &Entry) -> Entry {
         let learned = self.0.get(&kind(entry)).and_then(|of| of.get(&entry.serial)).cloned();
         Entry { prior: Some(PriorSource::Siblings { learned }), ..entry.clone() }

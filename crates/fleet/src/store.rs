@@ -1,12 +1,12 @@
-//! The store: a folder of Parquet files that DuckDB, pandas and Polars read as they are.
+//! The store: a folder of Parquet files that DuckDB, pandas and Polars read directly.
 //!
 //! ```text
 //! STORE/runs/KEY.parquet        one small file per finished run and table
 //! STORE/runs/rows-….parquet     many of them, merged
-//! STORE/.merge.json             what a merge is about to do: read first by whoever opens the store after a crash
+//! STORE/.merge.json             plan of a merge: read first when the store is opened after a crash
 //! ```
-//! A run's row is written after its other tables: a key in `runs` says that everything of it is there. Files are filled under
-//! a hidden name and renamed; a merge first writes down what it replaces, so that it is finished by whoever comes next.
+//! A run's row is written after its other tables: a key in `runs` means that the run is complete. Files are written under
+//! a hidden name and renamed; a merge first writes its plan, so that the next process can finish it.
 
 mod cells;
 mod merge;
@@ -22,7 +22,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Files whose names begin so are in the making.
+/// Prefix of the names of unfinished files.
 pub(crate) const HIDDEN: &str = ".denavit-";
 /// The file that one run at a time holds.
 const LOCK: &str = ".lock";
@@ -38,7 +38,7 @@ pub struct Store {
 pub struct LockedStore {
     /// The store.
     pub store: Store,
-    /// Let go of when the process ends, however it does.
+    /// Released when the process ends, in any way.
     _lock: File,
 }
 
@@ -100,7 +100,7 @@ impl Store {
         Ok(Self { folder: folder.to_owned() })
     }
 
-    /// A store to write, made where there is none; what a run that was killed left behind is put in order.
+    /// A store to write, created if missing; remains of a killed run are cleaned up.
     ///
     /// # Errors
     /// Another run holds it, or the folder cannot be written.
@@ -155,7 +155,7 @@ impl Store {
         Ok(runs)
     }
 
-    /// Reads a table, some thousand rows at a time, so that memory does not grow with the store; `wanted`: as of
+    /// Reads a table, some thousand rows at a time, so that memory does not grow with the store; `wanted`: see
     /// [`Rows::each_group`].
     ///
     /// # Errors
@@ -169,8 +169,8 @@ impl Store {
         self.files(table)?.iter().try_for_each(|path| Rows::each_group(table, path, wanted, each))
     }
 
-    /// Writes what a run found, name and Parquet of each table that has rows; its row in `runs` last. The same run written
-    /// twice is there once.
+    /// Writes the result of a run, name and Parquet of each table with rows; its row in `runs` last. A run written
+    /// twice is stored once.
     ///
     /// # Errors
     /// The system refuses.
@@ -221,7 +221,7 @@ impl Store {
         Ok(paths)
     }
 
-    /// Takes away what a run that was killed left: hidden files, and tables of runs that have no row.
+    /// Removes the remains of a killed run: hidden files, and tables of runs without a row.
     fn clean(&self) -> Result<(), FleetError> {
         let runs: HashSet<String> = self.files(&RUNS)?.iter().filter_map(|path| key_of(path)).collect();
         for table in TABLES {
@@ -250,7 +250,7 @@ fn key_of(path: &Path) -> Option<String> {
     (is_parquet(path) && stem.len() == 64 && stem.bytes().all(|byte| byte.is_ascii_hexdigit())).then_some(stem)
 }
 
-/// Temporary files are closed to others; the store's are not.
+/// Temporary files are private; the store's files are readable by others.
 #[cfg(unix)]
 fn readable_by_all(file: &File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;

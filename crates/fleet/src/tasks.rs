@@ -15,7 +15,7 @@ use denavit_model::Reading;
 use denavit_model::settings::plain;
 use thiserror::Error;
 
-/// Why a task gives no result: it becomes the run's row.
+/// Why a task has no result; written to the run's row.
 #[derive(Debug, Error)]
 pub(crate) enum TaskError {
     #[error(transparent)]
@@ -31,8 +31,8 @@ pub(crate) enum TaskError {
     #[error(transparent)]
     Tree(#[from] denavit_model::TreeError),
     #[error(
-        "prior siblings: in the store are fewer than {} other robots of this drawing that were calibrated by themselves; calibrate \
-        some with more poses and without prior first",
+        "prior siblings: the store has fewer than {} other robots of this model that were calibrated without \
+         siblings; first calibrate some with more poses and without a prior",
         crate::statistics::hierarchy::LEAST_ROBOTS
     )]
     NoSiblings,
@@ -40,7 +40,7 @@ pub(crate) enum TaskError {
     Units { written: String, reason: String },
 }
 
-/// What a task found, tables without the columns that all have.
+/// The result of a task: tables without the common columns.
 #[derive(Debug, Default)]
 pub(crate) struct Found {
     pub parameters: Vec<Vec<Cell>>,
@@ -53,7 +53,7 @@ pub(crate) struct Found {
     pub summary: Summary,
 }
 
-/// What the run's own row says of the result.
+/// The summary of the result in the run's row.
 #[derive(Debug, Default)]
 pub(crate) struct Summary {
     pub name: String,
@@ -93,8 +93,8 @@ pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, 
         Ok(Some(Err(error))) => (Found::default(), Some(plain(error))),
         Err(panic) => {
             let words = panic.downcast_ref::<String>().map(String::as_str);
-            let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words");
-            (Found::default(), Some(format!("a mistake in denavit: {words}; please report it with these files")))
+            let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+            (Found::default(), Some(format!("a bug in denavit: {words}; please report it with these files")))
         }
     };
     let seconds = begun.elapsed().as_secs_f64();
@@ -146,14 +146,14 @@ pub(crate) fn rows(entry: &Entry, key: &str, stop: &Stop) -> Option<(Vec<Rows>, 
     Some((tables, error))
 }
 
-/// Reads a robot of an entry; what must be said of the reading becomes remarks.
+/// Reads a robot of an entry; notes on the reading become remarks.
 fn load(entry: &Entry, name: &str, notes: &mut Vec<Vec<Cell>>) -> Result<Loaded, TaskError> {
     let opened = denavit_load::load(name, &source_options(entry))?;
     notes.extend(opened.notes.into_iter().map(|text| note("reading", "", "note", name, text)));
     Ok(opened.robot)
 }
 
-/// The chain of an entry's robot; `None` where it has none, which the entry itself will say.
+/// The chain of an entry's robot; `None` if it has none, which the entry reports itself.
 pub(crate) fn chain(entry: &Entry) -> Option<denavit_model::Chain> {
     let loaded = load(entry, &entry.robot, &mut Vec::new()).ok()?;
     Some(loaded.chain(&selection(entry)).ok()?.value)

@@ -1,13 +1,13 @@
-//! Where a camera beside a robot is, from poses of the hand and of the marker that it carries.
+//! The pose of a camera beside a robot, from poses of the hand and of the marker on it.
 //!
-//! The poses are made here, with 0.5 mm and 1 mrad of noise; yours come from the robot and the camera.
+//! The poses are simulated here, with 0.5 mm and 1 mrad of noise; yours come from the robot and the camera.
 
 use denavit_hand_eye::{Arrangement, Pair, report, solve};
 use denavit_model::{Pose, se3};
 
-/// Rows, and what of the noise each has: the n-th of numbers spread evenly over ±1.
 const ROWS: usize = 12;
 
+/// The n-th of numbers spread evenly over ±1: the noise of each row, in units of its size.
 fn spread(n: usize) -> f64 {
     // The golden ratio's multiples do not repeat.
     (n as f64 * 0.618_033_988_749_894_9).fract() * 2.0 - 1.0

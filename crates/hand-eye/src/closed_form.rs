@@ -20,9 +20,9 @@ pub const METHODS: [Method; 3] = [
     Method { name: "Shah 2013", solve: shah },
 ];
 
-/// Turns below this say nothing of an axis, rad.
+/// Rotations below this do not determine an axis, rad.
 const LEAST_TURN: f64 = 1e-3;
-/// Turns near half a turn have an axis of either sense, rad.
+/// Rotations this close to half a turn have an axis of undefined sense, rad.
 const MOST_TURN: f64 = 3.0;
 /// Of many rows each is paired with this many others.
 const PARTNERS: usize = 12;

@@ -1,4 +1,4 @@
-//! Maximum likelihood: what is seen is `left⁻¹ moved right`, with normal errors of position and of orientation.
+//! Maximum likelihood: the observation is `left⁻¹ moved right`, with normal errors of position and orientation.
 
 use crate::Row;
 use denavit_model::nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
@@ -8,7 +8,7 @@ use denavit_model::{Pose, se3};
 pub type Normal = SMatrix<f64, 12, 12>;
 type Step = SVector<f64, 12>;
 
-/// Steps of Gauss and Newton.
+/// Gauss-Newton steps.
 const MOST_STEPS: usize = 100;
 /// A step this small ends them, m of the rows' size and rad.
 const CONVERGED: f64 = 1e-13;
@@ -51,7 +51,7 @@ fn moved(pose: &Pose, step: &Vector6<f64>) -> Pose {
     moved
 }
 
-/// A fit and what it rests on.
+/// A fit and its noise model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
     /// `[left, right]`.
@@ -195,7 +195,7 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pseudo-inverse of the normal equations, directions left out that the rows do not tell.
+/// The pseudo-inverse of the normal equations, without directions that the rows do not determine.
 pub fn covariance(normal: &Normal, size: f64) -> Normal {
     let scale = scales(size);
     let scaled = Normal::from_fn(|row, column| normal[(row, column)] * scale[row] * scale[column]);

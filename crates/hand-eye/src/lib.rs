@@ -1,6 +1,6 @@
-//! Hand-eye calibration from poses alone: pairs of a robot's pose and of what an instrument saw, no joint readings.
+//! Hand-eye calibration from poses only: pairs of a robot's pose and an instrument's observation, without joint readings.
 //!
-//! An instrument (a camera, a tracker) sees a target (a marker, a probe). Of the two one is on the hand, the other is in
+//! An instrument (a camera, a tracker) sees a target (a marker, a probe). One of the two is on the hand, the other in
 //! the robot's surroundings. With A the robot's pose (base_from_tip) and B what is seen (instrument_from_target), row by row:
 //!
 //! ```text
@@ -11,9 +11,9 @@
 //!
 //! 1. Closed forms ([`closed_form`]): Park and Martin 1994, Daniilidis 1999, Shah 2013; on all rows, and on triples of rows, of
 //!    which the one that most rows agree with counts (least median of squares).
-//! 2. Maximum likelihood ([`fit`]): Gauss and Newton on what is seen, with one variance of position and one of orientation, both
-//!    estimated; rows far beyond them are rejected and said.
-//! 3. What the motion cannot tell, standard deviations, and the error on rows that were not fitted.
+//! 2. Maximum likelihood ([`fit`]): Gauss-Newton on the observations, with one variance of position and one of orientation, both
+//!    estimated; rows far beyond them are rejected and listed.
+//! 3. What the motion does not determine, standard deviations, and the error on held-out rows.
 //!
 //! # Examples
 //! ```
@@ -42,7 +42,7 @@ pub use solve::{ClosedForm, Errors, HandEye, HandEyeError, Placed, Residual, sol
 use denavit_model::Pose;
 use serde::Serialize;
 
-/// A pose of the robot and what was seen there.
+/// A pose of the robot and the observation there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// base_from_tip, m.

@@ -1,4 +1,4 @@
-//! What the robot's motion cannot tell.
+//! What the robot's motion does not determine.
 
 use crate::Pair;
 use crate::fit::{Normal, UNTOLD, scales};
@@ -8,26 +8,26 @@ use serde::Serialize;
 
 /// A direction is unknown where its standard deviation is more than this share of the rows' size, or this many rad.
 const UNKNOWN: f64 = 0.1;
-/// Poses whose turns are below this do not turn, rad.
+/// Rotations below this count as none, rad.
 const NO_TURN: f64 = 1e-4;
-/// Axes that are this close to one are one, rad.
+/// Axes this close to one axis count as one, rad.
 const ONE_AXIS: f64 = 0.02;
 
-/// What the poses leave open.
+/// What the poses do not determine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Unknown {
     /// The hand never turns: of both translations only one sum is known.
     NoTurn,
-    /// The hand turns about one axis only: places along it are not known.
+    /// The hand turns about one axis only: positions along it are not known.
     OneAxis {
         /// The axis in the base frame, unit length.
         axis: [f64; 3],
         /// How far axes are from it, root mean square, rad.
         within: f64,
     },
-    /// This many directions are known badly, although the hand turns about several axes.
+    /// This many directions are poorly determined, although the hand turns about several axes.
     Directions {
         /// How many of twelve.
         count: usize,
@@ -38,17 +38,17 @@ impl std::fmt::Display for Unknown {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoTurn => f.write_str(
-                "the hand never turns, so that translations are not known; add poses that turn about two axes by 30° or more",
+                "the hand never turns, so the translations cannot be determined; add poses that turn about two axes by 30° or more",
             ),
             Self::OneAxis { axis: [x, y, z], within } => write!(
                 f,
-                "the hand turns about one axis only ({x:.2} {y:.2} {z:.2} in the base frame, within {:.1}°), so that places along \
-                 it are not known; add poses that turn about another axis by 30° or more",
+                "the hand turns about one axis only ({x:.2} {y:.2} {z:.2} in the base frame, within {:.1}°), so positions along \
+                 it cannot be determined; add poses that turn about another axis by 30° or more",
                 within.to_degrees()
             ),
             Self::Directions { count } => write!(
                 f,
-                "{count} of 12 directions are known badly; add poses that turn about two axes by 30° or more"
+                "{count} of 12 directions are poorly determined; add poses that turn about two axes by 30° or more"
             ),
         }
     }

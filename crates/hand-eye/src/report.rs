@@ -11,10 +11,10 @@ pub const SCHEMA: &str = "denavit.hand_eye/1";
 
 /// Lines of rejected rows that are listed.
 const LISTED: usize = 12;
-/// Fewer rows make errors that cannot be trusted.
+/// With fewer rows the errors are unreliable.
 const FEW: usize = 10;
 
-/// Where the rows were: each with its line, and the lines in which nothing was seen.
+/// Lines of the rows, and lines in which the target was not seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lines<'a> {
     /// Of each row.
@@ -23,7 +23,7 @@ pub struct Lines<'a> {
     pub unseen: &'a [usize],
 }
 
-/// For a terminal: what was found, how good it is, what to do.
+/// For a terminal: the result, its quality, and what to do.
 pub fn text(found: &HandEye, lines: Lines) -> String {
     let used = found.residuals.iter().filter(|residual| !residual.rejected).count();
     let where_it_is = match found.arrangement {
@@ -38,7 +38,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
         text.push_str("WARNING: the fit did not converge; do not use it\n");
     }
     if used < FEW {
-        let _ = writeln!(text, "WARNING: {used} rows are few; with {FEW} or more the errors below can be trusted");
+        let _ = writeln!(text, "WARNING: only {used} rows; with {FEW} or more the errors below are reliable");
     }
     for placed in [&found.base, &found.tip] {
         text.push_str(&placement(placed));
@@ -49,12 +49,17 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
     };
     text.push_str(&errors("rms of the fitted rows", &found.fitted));
     if let Some(held_out) = &found.held_out {
-        text.push_str(&errors("rms of rows while held out", held_out));
+        text.push_str(&errors("rms of the held-out rows", held_out));
     }
     let apart: Vec<f64> =
         found.closed_forms.iter().filter_map(|form| form.apart.map(|[base, _]| base.0 * 1e3)).collect();
     if let (true, Some(most)) = (apart.len() > 1, apart.iter().copied().reduce(f64::max)) {
-        let _ = writeln!(text, "{} closed forms place {} within {most:.3} mm of this", apart.len(), found.base.name);
+        let _ = writeln!(
+            text,
+            "the results of {} closed forms for {} are within {most:.3} mm of this",
+            apart.len(),
+            found.base.name
+        );
     }
     let rejected: Vec<usize> = lines
         .rows
@@ -64,7 +69,7 @@ pub fn text(found: &HandEye, lines: Lines) -> String {
         .map(|(line, _)| *line)
         .collect();
     listed(&mut text, "rejected as gross outliers, lines: ", &rejected);
-    listed(&mut text, "nothing was seen, lines: ", lines.unseen);
+    listed(&mut text, "target not seen, lines: ", lines.unseen);
     text
 }
 

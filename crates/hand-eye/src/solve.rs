@@ -1,4 +1,4 @@
-//! From pairs to both placements: start, fit, rows that do not belong, what is known.
+//! From pairs to both placements: start, fit, outliers, and what is determined.
 
 use crate::closed_form::{METHODS, left_of, quarter_turns};
 use crate::fit::{Fitted, covariance, fit, in_parent, median, residual, spread, square, weights};
@@ -9,11 +9,11 @@ use denavit_model::{Pose, se3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use thiserror::Error;
 
-/// Fewer poses tell nothing.
+/// Smallest number of poses.
 pub const FEWEST: usize = 3;
 /// Triples of rows that are tried for a start.
 const TRIPLES: usize = 300;
-/// Of rows that belong, one set in this many loses a row.
+/// One set of good rows in this many loses a row.
 const FALSE_REJECTIONS: f64 = 1e-3;
 /// The standard deviation of a normal variable over the median of its length in three dimensions.
 const OF_MEDIAN: f64 = 1.538_172;
@@ -27,12 +27,12 @@ const FOLDS: usize = 20;
 #[non_exhaustive]
 pub enum HandEyeError {
     /// Too few rows.
-    #[error("{0} poses; hand-eye calibration needs {FEWEST} at least, ten or more for an error that can be trusted")]
+    #[error("{0} poses; hand-eye calibration needs at least {FEWEST}, and ten or more for reliable errors")]
     TooFew(usize),
     /// The poses do not belong together.
     #[error(
-        "robot and instrument do not move alike: seen from each other {0:.1}° and {1:.1} % of the size are left (median); are \
-         the arrangement (on the hand or beside the robot), the order of the rows, units and angles right?"
+        "the motions of robot and instrument do not agree: they differ by {0:.1}° and {1:.1} % of the size (median); check \
+         the arrangement (on the hand or beside the robot), the order of the rows, the units and the angles"
     )]
     Apart(f64, f64),
     /// Not a number.
@@ -58,7 +58,7 @@ impl Placed {
     }
 }
 
-/// What is left of a row.
+/// The residual of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
     /// Measured less predicted in the instrument's frame: position (m), rotation vector (rad).
@@ -102,7 +102,7 @@ pub struct HandEye {
     pub fitted: Errors,
     /// Of rows while they were not fitted; absent where too few rows are left for it.
     pub held_out: Option<Errors>,
-    /// What the poses leave open.
+    /// What the poses do not determine.
     pub unknown: Option<Unknown>,
     /// Closed forms on the rows that were fitted.
     pub closed_forms: Vec<ClosedForm>,
@@ -226,7 +226,7 @@ impl Best<'_> {
     }
 }
 
-/// Rows that agree less than this are not of one robot and one instrument, in units of the size and in rad.
+/// Rows that agree worse than this are not from one robot and one instrument, in units of the size and in rad.
 const APART: f64 = 0.5;
 
 fn belong(start: &[Pose; 2], rows: &[Row], size: f64) -> Result<(), HandEyeError> {
@@ -236,7 +236,7 @@ fn belong(start: &[Pose; 2], rows: &[Row], size: f64) -> Result<(), HandEyeError
     if place > APART || turn > APART { Err(HandEyeError::Apart(turn.to_degrees(), 100.0 * place)) } else { Ok(()) }
 }
 
-/// Fits, leaves out rows far beyond the noise, lets rows back in, until that stays as it is.
+/// Fits, leaves out rows far beyond the noise, lets rows back in, until nothing changes.
 fn without_outliers(start: [Pose; 2], rows: &[Row], size: f64) -> (Fitted, Vec<bool>) {
     let limit = ChiSquared::new(6.0)
         .map(|law| law.inverse_cdf(1.0 - FALSE_REJECTIONS / rows.len() as f64))

@@ -1,19 +1,19 @@
-//! The robot as it is: chain, instrument and targets, and where everything is in one row.
+//! The actual robot: chain, instrument and targets, and the pose of each in one row.
 
 use denavit_measurements::{Measurements, RecordedRow, Scene};
 use denavit_model::compiled::sines_and_cosines;
 use denavit_model::nalgebra::{Point3, Unit, Vector3, Vector6};
 use denavit_model::{AxisLine, Chain, ChainJoint, Pitch, Pose, Screw, Tips, se3};
 
-/// Chain, instrument and targets: everything that a measured value is predicted from, effects aside.
+/// Chain, instrument and targets: everything that predicts a measured value, apart from effects.
 ///
 /// position = instrument_from_base · base_from_tip(q) · target,   distance = |anchor - base_from_tip(q) · target|.
 ///
-/// The home pose stays nominal: what it could express beside the axes sits in the targets (and, for poses, in the
-/// target's orientation).
+/// The home pose stays nominal: the targets absorb what it could express beyond the axes (and, for poses, the
+/// targets' orientation).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    /// As drawn; where there are several tips the joints of all of them, see [`Chain::joined`].
+    /// The drawn chain; with several tips the joints of all, see [`Chain::joined`].
     pub nominal: Chain,
     /// The links that targets sit on.
     pub tips: Tips,
@@ -21,7 +21,7 @@ pub struct Arm {
     pub joints: Vec<ChainJoint>,
     /// instrument_from_base for each setup; identity where no instrument's frame is seen.
     pub instruments: Vec<Pose>,
-    /// Places of the points in the base frame, m.
+    /// Positions of the points in the base frame, m.
     pub points: Vec<Vector3<f64>>,
     /// tip_from_target for each target; the rotation is used where it is seen.
     pub targets: Vec<Pose>,
@@ -29,10 +29,10 @@ pub struct Arm {
     pub sits_on: Vec<usize>,
 }
 
-/// Directions in which a joint's axis can change: two across it, and the point on it that they are taken about.
+/// Directions in which a joint's axis can change: two across it, and the reference point on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisBasis {
-    /// First direction across the axis, of length 1.
+    /// First direction across the axis, a unit vector.
     pub a: Vector3<f64>,
     /// Second direction: a, b and the axis are right-handed.
     pub b: Vector3<f64>,
@@ -41,11 +41,11 @@ pub struct AxisBasis {
 }
 
 impl AxisBasis {
-    /// For a nominal screw: `a` is the base axis that is most across, made square to the screw's direction.
+    /// For a nominal screw: `a` is the base axis most nearly perpendicular to the screw's direction, made perpendicular to it.
     pub fn of(screw: &Screw) -> Self {
         let u = screw.direction().into_inner();
         let least = (0..3).min_by(|&i, &k| u[i].abs().total_cmp(&u[k].abs())).unwrap_or(0);
-        // The first base axis that is nearly the most across, so that rounding does not choose.
+        // The first of the base axes that are equally perpendicular, so that rounding does not choose.
         let axis = (0..3).find(|&i| u[i].abs() <= u[least].abs() + 1e-6).unwrap_or(least);
         let mut e = Vector3::zeros();
         e[axis] = 1.0;
@@ -54,7 +54,7 @@ impl AxisBasis {
         Self { a, b: u.cross(&a), centre }
     }
 
-    /// Carried along to a screw that differs a little, by the least rotation of the direction.
+    /// Moved to a slightly different screw by the smallest rotation of the direction.
     #[must_use]
     pub fn carried(&self, nominal: &Screw, actual: &Screw) -> Self {
         let (from, to) = (nominal.direction().into_inner(), actual.direction().into_inner());
@@ -64,7 +64,7 @@ impl AxisBasis {
     }
 }
 
-/// How far a joint's axis is from nominal: the numbers that calibration reports.
+/// Deviation of a joint's axis from nominal: the numbers that calibration reports.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AxisChange {
     /// Rotation of the direction about [`AxisBasis::a`] and [`AxisBasis::b`], rad.
@@ -73,9 +73,9 @@ pub struct AxisChange {
     pub moved: [f64; 2],
     /// Change of the pitch, m/rad.
     pub pitch: f64,
-    /// Ratio of the actual to the nominal scale, less 1.
+    /// Ratio of the actual to the nominal scale, minus 1.
     pub scale: f64,
-    /// What is added to the reading before the joint counts it, rad or m.
+    /// Offset added to the reading, rad or m.
     pub zero: f64,
 }
 
@@ -110,7 +110,7 @@ impl Arm {
             .expect("a small finite change of a chain is a chain")
     }
 
-    /// How far joint `index` is from nominal.
+    /// Deviation of joint `index` from nominal.
     pub fn change(&self, index: usize) -> AxisChange {
         let (nominal, actual) = (&self.nominal.joints()[index], &self.joints[index]);
         let basis = AxisBasis::of(&nominal.screw);
@@ -150,9 +150,9 @@ impl Arm {
         self.joints[index].screw = with_pitch(&screw.about(&basis.centre), pitch);
     }
 
-    /// Where everything on the way to a tip stands at the coordinates `q`, with or without deviations, into `state`.
+    /// Computes the poses of everything on the way to a tip at the coordinates `q`, with or without deviations, into `state`.
     ///
-    /// Joints that are not on the way stand still where the one before them is.
+    /// Joints that are not on the way keep the pose of the joint before them.
     pub fn state_into(&self, q: &[f64], tip: usize, perturbation: Option<&Perturbation>, state: &mut RowState) {
         let tip = &self.tips[tip];
         let mut reached = Pose::identity();
@@ -189,7 +189,7 @@ impl Arm {
     }
 }
 
-/// The screw with `added` (m/rad) on its pitch; a revolute joint turns helical, a prismatic one has none.
+/// The screw with `added` (m/rad) on its pitch; a revolute joint becomes helical, a prismatic one has no pitch.
 fn with_pitch(screw: &Screw, added: f64) -> Screw {
     let Some(line) = screw.line().copied() else { return *screw };
     if added == 0.0 {
@@ -201,12 +201,12 @@ fn with_pitch(screw: &Screw, added: f64) -> Screw {
     }
 }
 
-/// What effects do in one row. All zero: nothing.
+/// The perturbation by effects in one row. All zero: none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     /// n + 1 twists `[omega; v]` (rad, m), base frame at home: twist i acts before joint i's motion and carries joint
     /// i and all after it; the last acts on the tip alone. A twist along joint i's own unit screw is an error of its
-    /// value; the first one moves the whole robot against the instrument.
+    /// value; the first one moves the whole robot relative to the instrument.
     pub twists: Vec<Vector6<f64>>,
     /// Shift of every target, tip frame, m.
     pub target: Vector3<f64>,
@@ -214,24 +214,24 @@ pub struct Perturbation {
     pub anchor: Vector3<f64>,
     /// The instrument reads lengths (1 + scale) times too long.
     pub scale: f64,
-    /// The instrument reads a distance too long by this, m.
+    /// The instrument's reading of a distance is too long by this, m.
     pub reading: f64,
-    /// What an instrument that looks at the target reads too far along its line of sight.
+    /// Excess of the instrument's range along its line of sight.
     pub sight: AlongSight,
 }
 
-/// What an instrument that looks at the target reads too far along its line of sight: [`AlongSight::turning`] · u + [`AlongSight::steady`],
+/// Excess of the instrument's range along its line of sight: [`AlongSight::turning`] · u + [`AlongSight::steady`],
 /// u being the direction from the instrument to the target in the tip's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AlongSight {
-    /// What follows how the target is turned to the instrument, tip frame, m.
+    /// The part that depends on the target's orientation to the instrument, tip frame, m.
     pub turning: Vector3<f64>,
-    /// What is the same from every side, m.
+    /// The constant part, m.
     pub steady: f64,
 }
 
 impl AlongSight {
-    /// How much too far what stands at `there` in an instrument's frame (m) is read, base frame, m.
+    /// Excess of the reading of a target at `there` in an instrument's frame (m); base frame, m.
     ///
     /// `instrument`: instrument_from_base, `tip`: base_from_tip.
     pub fn beyond(&self, there: &Vector3<f64>, instrument: &Pose, tip: &Pose) -> Vector3<f64> {
@@ -294,12 +294,12 @@ impl Perturbation {
     }
 }
 
-/// Where the arm is in one row, base frame.
+/// The arm's state in one row, base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowState {
-    /// For each joint the motion that its axis has made from home: Ad(before\[i\]) takes twists at home to twists now.
+    /// For each joint the motion of its axis from home: Ad(before\[i\]) maps twists at home to twists now.
     pub before: Vec<Pose>,
-    /// For each joint the motion that its link has made from home.
+    /// For each joint the motion of its link from home.
     pub after: Vec<Pose>,
     /// base_from_tip.
     pub tip: Pose,
@@ -307,16 +307,16 @@ pub struct RowState {
     turns: [Vec<f64>; 3],
 }
 
-/// Where the arm is in one row, and what its effects do to it there.
+/// The arm's state in one row, and the perturbation by its effects.
 #[derive(Debug, Clone, Copy)]
 pub struct Perturbed<'a> {
-    /// Where it stands.
+    /// Its state.
     pub state: &'a RowState,
-    /// What the effects do; all zero where there is nothing.
+    /// The perturbation by effects; all zero where there are none.
     pub by: &'a Perturbation,
 }
 
-/// One row of measured data: what a driver may look at. It gives no way to the measured values.
+/// One row of measured data as a driver may see it: without access to the measured values.
 #[derive(Debug, Clone, Copy)]
 pub struct Row<'a> {
     data: &'a Measurements,
@@ -329,7 +329,7 @@ impl<'a> Row<'a> {
         Self { data, index }
     }
 
-    /// Its place in run order.
+    /// Its index in run order.
     pub fn index(&self) -> usize {
         self.index
     }
@@ -354,7 +354,7 @@ impl<'a> Row<'a> {
         self.data.len()
     }
 
-    /// What was recorded beside it.
+    /// Its recorded quantities.
     pub fn recorded(&self) -> RecordedRow<'a> {
         self.data.covariates.row(self.index)
     }

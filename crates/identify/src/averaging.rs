@@ -1,8 +1,8 @@
-//! Prediction by averaging: everything that may act stays in one linear Gaussian model, each kind as large as the evidence has it.
+//! Prediction by averaging: one linear Gaussian model holds everything that may act, with the size of each kind set by the evidence.
 //!
-//! Terms ([`mod@terms`]) and rows ([`mod@linearised`]) give columns, [`sizes`] their prior variances and the noise by marginal likelihood; the posterior
-//! mean of all numbers is stepped to and everything linearised anew, `PASSES` times. What comes of it predicts together with plain
-//! geometry: [`Averaged`]. Equations and figures: docs/prediction.md.
+//! Terms ([`mod@terms`]) and rows ([`mod@linearised`]) give columns; [`sizes`] finds their prior variances and the noise by marginal
+//! likelihood. The model moves to the posterior mean of all numbers and is linearised again, `PASSES` times. The result predicts together
+//! with plain geometry: [`Averaged`]. Equations and figures: docs/prediction.md.
 
 pub mod linearised;
 pub mod sizes;
@@ -30,29 +30,29 @@ use denavit_model::nalgebra::{DMatrix, DVector, Point3};
 use denavit_model::{Chain, Pose, se3};
 use std::sync::Arc;
 
-/// Times that everything is linearised. One harms curved fits: measured on the Motoman's draws of March 2019.
+/// Number of linearisations. One is too few for nonlinear fits: measured on the Motoman's draws of March 2019.
 const PASSES: usize = 3;
-/// The same for a model that is compared with: it begins at the fit.
+/// The same for the model that it is compared with, which starts at its fit.
 const PASSES_OF_NAMED: usize = 1;
-/// Steps with the sizes found, at most, until what is read changes by less than this share of the noise's variance.
+/// Most steps with the sizes found, and the change of the predictions, as a fraction of the noise variance, at which they end.
 const STEPS_TO_CONVERGE: usize = 16;
 const CONVERGED: f64 = 0.01;
-/// Shortest share of a step that goes to and fro.
+/// Smallest fraction of a step that oscillates.
 const LEAST_SHARE: f64 = 0.25;
 /// Steps of the search for sizes, in the first pass and in those after it.
 const STEPS: [usize; 2] = [40, 15];
-/// Values that sizes are found from, at most: the rows are spread evenly over the run.
+/// Most values used to find sizes: the rows are spread evenly over the run.
 const VALUES_FOR_SIZES: usize = 600;
-/// Values that the posterior is of, at most.
+/// Most values used for the posterior.
 const VALUES: usize = 6_000;
-/// Rows at which it is asked how unsure the place of the target is.
+/// Rows at which the uncertainty of the target's position is evaluated.
 const ROWS_ACROSS: usize = 40;
 /// Fewer rejected observations than this are outliers.
 pub const LEAST_REJECTED: usize = 4;
-/// A model of causes that predicts as well as everything averaged seems to be better in one file of twenty. Anything from one in
-/// two hundred to one in ten did alike on 660 draws of real rows.
+/// False positive rate of the test whether a model of causes predicts better than the average. Anything from one in two hundred
+/// to one in ten gave the same results on 660 draws of real rows.
 const CHANCE: f64 = 0.05;
-/// From so many postures on that can be seen: differences of squares are skewed, and Student's test of fewer takes chance for a gain (the usual
+/// Fewest postures for this test: differences of squares are skewed, and with fewer, Student's test mistakes chance for a gain (the usual
 /// rule; Boos, Hughes-Oliver 2000, The American Statistician 54, 121).
 const LEAST_POSTURES: usize = 30;
 /// Student's degrees of freedom of the weights of rows.
@@ -61,65 +61,64 @@ const STUDENT: f64 = 4.0;
 /// Why there is no averaged prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotAveraged {
-    /// Several tips, and some are measured by what they touch or hold.
+    /// Several tips, some of them measured by contact or grip.
     TipsTogether,
-    /// An earlier calibration is gone on from.
+    /// The calibration continues an earlier one.
     Continued,
     /// No joint moves, or no length is measured.
     NothingMoves,
-    /// A matrix had no factor.
+    /// A matrix could not be factored.
     Numbers,
-    /// Effects were not asked for.
+    /// Effects were not requested.
     NotAsked,
-    /// The model of the last stage before explains values that geometry rejects, without which everything would be averaged.
+    /// The previous stage's model explains values that geometry rejects and that averaging would leave out.
     NamedExplainsRejected {
-        /// How many.
+        /// Number of values.
         values: usize,
     },
-    /// The model of the last stage before predicts postures that are left out better, beyond chance: root mean squares, m for each axis.
+    /// The previous stage's model predicts left-out postures significantly better: root mean squares, m per axis.
     NamedIsBetter {
-        /// Of that model.
+        /// The error of that model.
         named: f64,
-        /// Of everything averaged.
+        /// The error of the average.
         averaged: f64,
     },
 }
 
-/// A model with causes and error curves, which averaging has to predict better than.
+/// A model with causes and error curves that averaging must not fall behind.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<'a> {
     /// Its fit.
     pub fit: &'a Fit<EffectModel>,
-    /// Its error curves, and what was expected of their waves.
+    /// Its error curves, and the prior of their waves.
     pub curves: &'a [HeldCurve<'a>],
 }
 
 /// A robot averaged over everything that may act.
 #[derive(Debug, Clone)]
 pub struct Averaging {
-    /// The recommended prediction: its arm is that of the geometric fit, with instruments and targets of the averaged one. It has no squares.
+    /// The recommended prediction: the arm of the geometric fit, with instruments and targets of the averaged one. It has no sums of squares.
     pub fit: Fit<EffectModel>,
     /// The sizes.
     pub sizes: Sizes,
-    /// Root mean square of the residual of each posture predicted from all the others, m for each axis: geometry alone, and everything averaged,
-    /// blended with it.
+    /// Root mean square of leave-one-posture-out residuals, m per axis: geometry alone, and the blend of geometry and the averaged robot.
     pub left_out: [f64; 2],
-    /// The same of the model that does not predict better beyond chance.
+    /// The same of the model that does not predict significantly better.
     pub named: Option<f64>,
 }
 
-/// A row of measurement as all the others predict it.
+/// A row predicted from all others.
 struct LeftOut {
     /// The row, and the number of its posture.
     row: usize,
     posture: usize,
-    /// Lengths, measured less predicted, m.
+    /// Lengths, measured minus predicted, m.
     residual: Vec<f64>,
-    /// Mean variance of the prediction of one of them, m².
+    /// Mean prediction variance of a length, m².
     variance: f64,
-    /// Mean variance of the noise of one of them, m².
+    /// Mean noise variance of a length, m².
     noise: f64,
-    /// Of the row.
+    /// Weight of the row.
     weight: f64,
 }
 
@@ -135,13 +134,13 @@ fn mean_square(rows: &[LeftOut]) -> f64 {
     rows.iter().map(LeftOut::square).sum::<f64>() / values(rows)
 }
 
-/// How many lengths there are.
+/// Number of lengths.
 fn values(rows: &[LeftOut]) -> f64 {
     rows.iter().map(|row| row.residual.len()).sum::<usize>() as f64
 }
 
-/// Whether these rows are predicted better than by another model, beyond chance, posture by posture. A search among a thousand causes finds some
-/// that help left-out postures by less.
+/// Whether these rows are predicted significantly better than by another model, posture by posture. A search among a thousand causes
+/// finds some with a smaller gain by chance.
 fn clearly_better(these: &[LeftOut], others: &[LeftOut]) -> bool {
     let change = |(this, other): (&LeftOut, &LeftOut)| (this.posture, other.square() - this.square());
     let changes: Vec<(usize, f64)> = these.iter().zip(others).map(change).collect();
@@ -150,7 +149,7 @@ fn clearly_better(these: &[LeftOut], others: &[LeftOut]) -> bool {
     changes.len() >= LEAST_POSTURES && above_zero(&changes, CHANCE)
 }
 
-/// The same rows predicted by the blend of both.
+/// The same rows predicted by the blend.
 fn blended(geometric: &[LeftOut], averaged: &[LeftOut]) -> Vec<LeftOut> {
     let of_geometry = mean_square(geometric);
     let blend = |(geometric, averaged): (&LeftOut, &LeftOut)| {
@@ -166,8 +165,8 @@ fn blended(geometric: &[LeftOut], averaged: &[LeftOut]) -> Vec<LeftOut> {
     geometric.iter().zip(averaged).map(blend).collect()
 }
 
-/// What expected squares are multiplied by so that 95 % of the values left out lie within 1.96 deviations. The sizes were found from the same
-/// rows: they take degrees of freedom, at most half of all.
+/// Factor on expected squares with which 95 % of the left-out values lie within 1.96 standard deviations. The sizes were found from the same
+/// rows and use up degrees of freedom, at most half of all.
 fn calibrated(rows: &[LeftOut], sizes: usize) -> Option<f64> {
     let standardised = |row: &LeftOut| {
         let deviation = (row.variance + row.noise).sqrt();
@@ -176,13 +175,13 @@ fn calibrated(rows: &[LeftOut], sizes: usize) -> Option<f64> {
     let mut all: Vec<f64> = rows.iter().flat_map(standardised).collect();
     all.sort_by(f64::total_cmp);
     let count = all.len() as f64;
-    // The rank of the quantile among one more value: the one to come (Vovk, Gammerman, Shafer 2005).
+    // The rank of the quantile with one more value, the future one (Vovk, Gammerman, Shafer 2005).
     let rank = (95 * (all.len() + 1)).div_ceil(100).min(all.len());
     let widest = all.get(rank.checked_sub(1)?)?;
     Some((widest / 1.96).powi(2) * count / (count - sizes as f64).max(0.5 * count))
 }
 
-/// What all passes share.
+/// Data shared by all passes.
 struct Averager<'a> {
     data: &'a Measurements,
     terms: &'a Terms,
@@ -193,7 +192,7 @@ struct Averager<'a> {
     all: Vec<usize>,
 }
 
-/// Where a pass stands.
+/// The state of a pass.
 #[derive(Clone)]
 struct At {
     arm: Arm,
@@ -201,11 +200,10 @@ struct At {
     sizes: Sizes,
 }
 
-/// Averages over everything that may act in these rows. `causes`: terms of those that the rows name; `named`: the model that is to be
-/// predicted better than.
+/// Averages over everything that may act in these rows. `causes`: terms of the identified causes; `named`: the model to compare with.
 ///
 /// # Errors
-/// What it cannot do, or does worse; the stage before stays what is best then.
+/// Averaging does not apply or predicts worse; the previous stage then remains the best.
 pub fn averaged(
     statics: &Statics,
     data: &Measurements,
@@ -267,13 +265,13 @@ pub fn averaged(
     })
 }
 
-/// The layout of what these terms and the place of instruments and targets leave free.
+/// The layout of these terms' numbers and the poses of instruments and targets.
 fn placing(chain: &Chain, data: &Measurements, options: &IdentifyOptions, terms: &Terms) -> Layout {
     let freedom = Freedom::placement(chain.joints().len());
     Layout::new(chain, &data.scene, &freedom, &options.tolerances, terms.model.parameters())
 }
 
-/// A term with 1 over the root mean square of its driver in the data; none where it drives nothing.
+/// A term with 1 over the root mean square of its driver in the data; none where the driver is always 0.
 fn in_own_units(term: &Term, statics: &Statics, data: &Measurements) -> Option<(Term, f64)> {
     let rows = data.spread_by_posture(data.len().min(VALUES_FOR_SIZES));
     let mut square = 0.0;
@@ -288,7 +286,7 @@ fn in_own_units(term: &Term, statics: &Statics, data: &Measurements) -> Option<(
     (size > 0.0 && size.is_finite()).then(|| (term.clone(), 1.0 / size))
 }
 
-/// Student's weight of each row by the residual that geometry leaves, beside the median: 5/(4 + s²).
+/// Student's weight of each row, 5/(4 + s²), with s the residual of geometry over the median.
 fn student(data: &Measurements, fit: &Fit<NoEffects>) -> Vec<f64> {
     let size = |row: usize| {
         let of_row = data.of_row(row).filter(|&observation| fit.weights[observation] > 0.0);
@@ -311,12 +309,12 @@ impl Averager<'_> {
         linearised(self.data, rows, (&at.arm, &at.model, &self.layout), (self.observed, &self.weights))
     }
 
-    /// Sizes found anew.
+    /// New sizes.
     fn sized(&self, at: &At, rows: &Linearised, pass: usize) -> Sizes {
         fitted(rows, self.data, self.terms, &at.sizes, (STEPS[usize::from(pass > 0)], pass == 0))
     }
 
-    /// Sizes found anew, everything at its posterior mean.
+    /// New sizes, with everything at its posterior mean.
     fn pass(&self, at: &At, pass: usize) -> Option<At> {
         let rows = self.linearised(&self.some, at);
         let at = At { sizes: self.sized(at, &rows, pass), ..at.clone() };
@@ -329,8 +327,8 @@ impl Averager<'_> {
         Some((problem.gram()?.curvature(), chosen))
     }
 
-    /// Everything at its posterior mean, by these rows and this curvature, or this share of the way to it; and what the whole step changes of what
-    /// is read: mean square, each value in its noise.
+    /// A step to the posterior mean by these rows and this curvature, or this fraction of it; and the mean square change of the predictions
+    /// by the whole step, in units of the noise.
     fn at_mean(
         &self,
         at: &At,
@@ -342,7 +340,7 @@ impl Averager<'_> {
         numbers.iter_mut().zip(at.model.numbers()).for_each(|(place, number)| *place = number);
         let residual = &rows.data - &rows.columns * &numbers;
         let step = curvature.step((&rows.columns, chosen), &residual, &numbers.select_rows(chosen));
-        // What is not among the columns goes to nothing.
+        // Numbers that are not among the columns go to 0.
         let mut whole = -numbers;
         chosen.iter().zip(step.iter()).for_each(|(&column, step)| whole[column] = *step);
         let changes = &rows.columns * &whole;
@@ -353,7 +351,7 @@ impl Averager<'_> {
         (At { arm, model, sizes: at.sizes.clone() }, change)
     }
 
-    /// The same with these sizes until nothing changes any more. The curvature stays as long as steps become shorter by it.
+    /// Repeats the step with these sizes until convergence. The curvature is kept as long as steps become shorter.
     fn until_converged(&self, at: At, rows: &[usize]) -> Option<At> {
         let (mut at, mut before, mut share, mut known) = (at, f64::INFINITY, 1.0, None);
         for _ in 0..STEPS_TO_CONVERGE {
@@ -370,7 +368,7 @@ impl Averager<'_> {
             if change < CONVERGED {
                 break;
             }
-            // Steps that do not become shorter go to and fro.
+            // Steps that do not become shorter oscillate.
             if change > 0.5 * before {
                 share = (0.5 * share).max(LEAST_SHARE);
             }
@@ -379,7 +377,7 @@ impl Averager<'_> {
         Some(at)
     }
 
-    /// Rows as this model of all the others predicts them. `plain`: geometry alone.
+    /// Rows predicted by this model from all others. `plain`: geometry alone.
     fn named(&self, named: &Named<'_>, plain: &At) -> Option<Vec<LeftOut>> {
         let mut numbers = self.terms.model.numbers();
         let geometry = self.terms.families.iter().take_while(|family| family.is_of_geometry()).count();
@@ -395,7 +393,7 @@ impl Averager<'_> {
         Some(self.left_out(&at)?.1)
     }
 
-    /// The averaged prediction, rows as it predicts them of all the others, and where geometry alone comes to stand.
+    /// The averaged prediction, the rows predicted by it from all others, and the final state of geometry alone.
     fn run(
         &self,
         statics: &Statics,
@@ -405,7 +403,7 @@ impl Averager<'_> {
         let found = (&*geometric.noise.levels, geometric.layout.prior.widened);
         let of_geometry = Family::is_of_geometry;
         let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(found, self.terms, used, as_tolerated);
-        // Instruments and targets stand where the fit of the geometry has found them: from the drawing's the way may be half a metre.
+        // Instruments and targets start from the geometric fit: the drawing's may be half a metre away.
         let placed = Arm { joints: nominal.joints.clone(), ..geometric.arm.clone() };
         let mut plain = At { arm: placed, model: self.terms.model.clone(), sizes: start(&of_geometry, true) };
         for pass in 0..=PASSES {
@@ -433,7 +431,7 @@ impl Averager<'_> {
         Some((Averaging { left_out: [v_g, mean_square(&left_out)].map(f64::sqrt), ..found }, left_out, plain))
     }
 
-    /// The covariance of all numbers that have a prior worth the name, of the instrument's frame and of the target's place.
+    /// The covariance of all numbers with a relevant prior variance, of the instrument's frame and of the target's position.
     fn spread(&self, gram: &Gram, columns: &[usize]) -> Spread {
         let frame = self.layout.instruments.first().copied().flatten().into_iter().flat_map(|first| first..first + 6);
         let place =
@@ -444,7 +442,7 @@ impl Averager<'_> {
         Spread { covariance: gram.posterior().marginal(&chosen).covariance, kept: columns[..numbers].to_vec() }
     }
 
-    /// How many times as unsure the place of the target is as what is read of it, in the median: a distance says nothing of what lies across it.
+    /// Median ratio of the variance of the target's position to that of its reading: a distance does not constrain directions across it.
     fn across(&self, averaged: &Averaged, rows: &[LeftOut]) -> Option<f64> {
         if self.data.scene.series.iter().all(|series| series.kind.place().height == 3) {
             return Some(1.0);
@@ -461,7 +459,7 @@ impl Averager<'_> {
         values.get(values.len() / 2).copied().filter(|value| value.is_finite())
     }
 
-    /// How unsure the model is about where it stands, and each row that measures lengths as all the others predict it.
+    /// The model's covariance at its current state, and each row that measures lengths, predicted from all others.
     fn left_out(&self, at: &At) -> Option<(Spread, Vec<LeftOut>)> {
         let own = self.linearised(&self.all, at);
         let (problem, columns) = problem(&own, self.terms, &at.sizes);
@@ -573,7 +571,7 @@ impl Averager<'_> {
 }
 
 impl Averager<'_> {
-    /// Mean square of what the drawing leaves, m² for each axis, freed of the share of what places it.
+    /// Mean square residual of the drawing, m² per axis, corrected for the parameters that place it.
     fn of_drawing(&self, nominal: &Arm) -> f64 {
         let left = residuals(nominal, &NoEffects, self.data);
         let (mut sum, mut count) = (0.0, 0.0);
@@ -593,7 +591,7 @@ fn first_targets(data: &Measurements) -> impl Iterator<Item = usize> + '_ {
     (0..tips).filter_map(|tip| (0..scene.targets.len()).find(|&target| scene.tip_of(target) == tip))
 }
 
-/// The base and the tips of one arm in those of another that measures the same rows: by the first instrument, or the first point, and the first
+/// The base and the tips of one arm relative to those of another for the same rows: by the first instrument, or the first point, and the first
 /// target on each tip.
 fn between(from: &Arm, to: &Arm, data: &Measurements) -> (Pose, Vec<Pose>) {
     let by_instrument = data.scene.has_instrument(0).then(|| to.instruments[0].inverse() * from.instruments[0]);

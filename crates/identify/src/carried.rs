@@ -1,11 +1,9 @@
-//! Effects and error curves of an earlier calibration on new rows: those that can go on do, and each only as long as the rows do not
-//! speak against it.
+//! Effects and error curves of an earlier calibration on new rows: each is kept if it can act there and the rows do not contradict it.
 //!
-//! Axes, coefficients and the modes of the curves have the earlier posterior as their joint prior. What the rows say of a part
-//! (an effect, a curve, what a joint gives under gravity) is the probability of the rows with it against that without it: a part is
-//! left out where the rows are twenty times as probable without it, and as many times more as there are parts that chance may speak
-//! against. The axes count with a weight as they do without effects, see
-//! [`crate::identify_options::IdentifyOptions::earlier`].
+//! Axes, coefficients and the modes of the curves have the earlier posterior as their joint prior. A part (an effect, a curve, the
+//! compliance of a joint) is tested by the probability of the rows with and without it. It is left out where the rows are 20 n times
+//! as probable without it, n the number of parts, so that chance does not contradict one of many. The axes count with a weight as
+//! they do without effects, see [`crate::identify_options::IdentifyOptions::earlier`].
 
 use crate::arm::Arm;
 use crate::continued::{CONTRADICTED, WEIGHTS, borne_out, log_evidence};
@@ -28,22 +26,22 @@ use serde::Serialize;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rows by which the parts are judged, at most, spread over the run: more would say the same at more time.
+/// Most rows that test the parts, spread over the run: more give the same result in more time.
 const MOST_ROWS: usize = 300;
 
-/// What becomes of a part of an earlier model.
+/// What happens to a part of an earlier model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartState {
-    /// It goes on.
+    /// It is kept.
     Kept,
-    /// The new rows speak against it.
+    /// The new rows contradict it.
     Contradicted,
     /// It was a drift of the earlier run.
     OfThatRun,
-    /// It was of the instrument or the target, which are placed anew.
+    /// It belonged to the instrument or the target, which are placed again.
     OfThatSetup,
-    /// The new rows lack a column that it follows.
+    /// The new rows lack a column that it depends on.
     NoColumn,
 }
 
@@ -55,51 +53,51 @@ pub struct CarriedPart {
     /// Where it acts.
     #[serde(rename = "where")]
     pub place: String,
-    /// What became of it.
+    /// What happened to it.
     pub state: PartState,
     /// The column that is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<String>,
-    /// By how much it raises the logarithm of the new rows' probability: below 0 where it was left out. `null` where it was not tried.
+    /// Its gain in the log probability of the new rows: below 0 where it was left out. `null` where it was not tried.
     pub log_evidence: Option<f64>,
 }
 
 /// An earlier model on new rows.
 #[derive(Debug, Clone)]
 pub struct Carried {
-    /// All of it that can act in these rows, as it was left, instrument and targets placed anew.
+    /// The parts that can act in these rows, unchanged, with instrument and targets placed again.
     pub earlier: Fit<EffectModel>,
     /// Of that.
     pub earlier_gains: Gains,
-    /// Axes, coefficients and curves brought up to date, without what the rows speak against.
+    /// Updated axes, coefficients and curves, without the parts that the rows contradict.
     pub updated: Fit<EffectModel>,
-    /// How its curves are unsure.
+    /// The uncertainty of its curves.
     pub updated_modes: CurveModes,
     /// Of that.
     pub updated_gains: Gains,
-    /// What is known of the axes counts for so much, from 0 to 1.
+    /// Weight of the earlier knowledge of the axes, from 0 to 1.
     pub weight: f64,
     /// The parts, in the earlier order: effects, then curves.
     pub parts: Vec<CarriedPart>,
 }
 
-/// By how much parts of a model raise the logarithm of the rows' probability.
+/// Gains of a model's parts in the log probability of the rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gains {
-    /// What joints give under gravity: the last effects of the model.
+    /// Compliance of joints: the last effects of the model.
     pub fields: Vec<f64>,
     /// The error curves.
     pub curves: Vec<f64>,
 }
 
-/// What acts in the rows: the effects bound to their columns, and where their coefficients stand in the earlier order.
+/// What acts in the rows: the effects bound to their columns, and the indices of their coefficients in the earlier order.
 struct Usable {
     statics: Statics,
     effects: Vec<(Effect, Range<usize>)>,
     curves: Vec<AbleCurve>,
 }
 
-/// A curve with its modes, and where their numbers stand in the earlier order.
+/// A curve with its modes, and the indices of their numbers in the earlier order.
 struct AbleCurve {
     curve: Curve,
     modes: Vec<Vec<f64>>,
@@ -111,7 +109,7 @@ impl Usable {
         self.effects.len() + self.curves.len()
     }
 
-    /// The model of these parts, and the places of its coefficients and modes in the earlier order.
+    /// The model of these parts, and the indices of its coefficients and modes in the earlier order.
     fn model(&self, kept: &[bool]) -> (Varying, Vec<usize>) {
         let (of_effects, of_curves) = kept.split_at(self.effects.len());
         let chosen: Vec<_> =
@@ -126,7 +124,7 @@ impl Usable {
     }
 }
 
-/// The rows that judge, and how they are fitted.
+/// The rows that test the parts, and how they are fitted.
 struct Judge<'a> {
     data: &'a Measurements,
     start: &'a Arm,
@@ -148,7 +146,7 @@ impl Judge<'_> {
         fit(self.data, &layout, self.start, &model, self.weights, &FitOptions { robust, ..options.fit })
     }
 
-    /// A fit with its curves as they came to vary, and how they are unsure after it.
+    /// A fit with its updated curves and their uncertainty.
     fn with_updated_curves(&self, kept: &[bool], weight: f64, varying: Fit<Varying>) -> (Fit<EffectModel>, CurveModes) {
         let model = varying.effects.updated();
         let coefficients = model.numbers();
@@ -163,7 +161,7 @@ impl Judge<'_> {
         };
         let mut layout = varying.layout.with_effects(model.parameters());
         let places = &self.usable.model(kept).1[..coefficients.len()];
-        // What was expected of the coefficients, whatever the curves are.
+        // The prior of the coefficients, whatever the curves are.
         let before = self.usable.model(kept).0.numbers()[..coefficients.len()].to_vec();
         layout.effects_prior = self.earlier.counted(weight).of_effects(&layout, places, before, 0);
         let fit = Fit {
@@ -189,12 +187,12 @@ impl Judge<'_> {
         if fit.converged_or_exact() { log_evidence(self.data, &fit) } else { f64::NEG_INFINITY }
     }
 
-    /// The weight of the axes beside these parts, and the logarithm of the rows' probability.
+    /// The weight of the axes with these parts, and the log probability of the rows.
     fn weighted(&self, kept: &[bool]) -> (f64, f64) {
         borne_out(&WEIGHTS.map(|weight| (weight, self.evidence(kept, weight))))
     }
 
-    /// The parts that the rows do not speak against, and the weight of the axes beside them.
+    /// The parts that the rows do not contradict, and the weight of the axes with them.
     fn parts(&self) -> (Vec<bool>, f64) {
         let contradicted = CONTRADICTED + (self.usable.parts().max(1) as f64).ln();
         let all = vec![true; self.usable.parts()];
@@ -205,7 +203,7 @@ impl Judge<'_> {
                 tried[part] = !tried[part];
                 tried
             };
-            // What was left out comes back where it is no longer spoken against.
+            // A part that was left out returns where the rows no longer contradict it.
             let least = |part: usize| if kept[part] { contradicted } else { 0.0 };
             let gain = |part: usize| (self.evidence(&changed(part), weight) - reached - least(part), part);
             let best = (0..kept.len()).map(gain).max_by(|a, b| a.0.total_cmp(&b.0));
@@ -213,7 +211,7 @@ impl Judge<'_> {
             kept = changed(part);
             (weight, reached) = self.weighted(&kept);
         }
-        // Where many parts are wrong at once, none of them need be missed alone.
+        // Where many parts are wrong at once, leaving out a single one may not help.
         let none = vec![false; kept.len()];
         let without = self.weighted(&none);
         if without.1 > reached + CONTRADICTED { (none, without.0) } else { (kept, weight) }
@@ -237,7 +235,7 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
 
     let few = (data.len() > MOST_ROWS).then(|| data.subset(&data.evenly_spread(MOST_ROWS)));
     let some = few.as_ref().unwrap_or(data);
-    // Which rows are gross outliers is decided without the earlier calibration, which cannot then reject what contradicts it.
+    // Gross outliers are found without the earlier calibration, so that it cannot reject what contradicts it.
     let by_itself = IdentifyOptions { earlier: Some(earlier.counted(0.0)), ..options.clone() };
     let ones = vec![1.0; some.observations()];
     let alone = fit_stage(some, &geometric.arm, &NoEffects, &ones, &by_itself);
@@ -278,8 +276,8 @@ pub fn carried(data: &Measurements, identification: &Identification, options: &I
     })
 }
 
-/// A fit beside a model that was held, with that in it: the last `fields` of its own effects come last, those that were held before them.
-/// What was held has its standard deviations, and no correlation with the rest.
+/// A fit combined with the model that was held fixed: held effects come before the last `fields` of the fit's own effects.
+/// Held numbers keep their standard deviations and have no correlation with the rest.
 fn put_together(fit: &Fit<EffectModel>, fields: usize, held: &EffectModel, std: &[f64]) -> Fit<EffectModel> {
     let own = &fit.effects;
     let first = own.effects.len() - fields;
@@ -301,7 +299,7 @@ fn put_together(fit: &Fit<EffectModel>, fields: usize, held: &EffectModel, std: 
     Fit { effects: model, layout, covariance, ..fit.clone() }
 }
 
-/// What can act in these rows; all parts; and which of those each of the first is.
+/// The parts that can act in these rows; all parts; and the index of each of the former among the latter.
 fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart>, Vec<usize>) {
     let model = &known.model;
     let chain = &model.statics.chain;
@@ -324,7 +322,7 @@ fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart
             log_evidence: None,
         };
         let bound = model.bound_effect(effect, &|name| data.column(name));
-        // How long a row takes is another matter in another run.
+        // The duration of a row differs from run to run.
         let by_rows = |name: &String| {
             let pace = History::of_column(name).map(|(_, told)| told);
             *name == RUN_ORDER || matches!(pace, Some(History::Warmth { pace: Pace::Rows, .. }))
@@ -364,12 +362,12 @@ fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart
 }
 
 impl Carried {
-    /// The updated model as what acts beside whatever is looked for next.
+    /// The updated model, held fixed while other effects are searched.
     pub fn beside(&self) -> Arc<EffectModel> {
         Arc::new(self.updated.effects.clone())
     }
 
-    /// The updated fit as one of geometry alone, the effects being beside it.
+    /// The updated fit as one of geometry alone, with the effects held.
     pub fn geometry(&self) -> Fit<NoEffects> {
         let fit = &self.updated;
         let effects = &fit.layout.effects;
@@ -391,12 +389,12 @@ impl Carried {
         }
     }
 
-    /// A fit beside the updated model with that in it: the last `fields` of its own effects come last. And how its curves are unsure.
+    /// A fit combined with the updated model: the last `fields` of its own effects come last. Also the uncertainty of its curves.
     pub fn with(&self, fit: &Fit<EffectModel>, fields: usize, modes: &CurveModes) -> (Fit<EffectModel>, CurveModes) {
         let held = &self.updated;
         let std: Vec<f64> = held.layout.effects.clone().map(|index| held.deviation(index)).collect();
         let whole = put_together(fit, fields, &held.effects, &std);
-        // What was held has no correlation with the rest: only its modes are taken over.
+        // Held parts have no correlation with the rest: only their modes are copied.
         let own = fit.effects.effects.len() - fields;
         let before: usize = fit.effects.effects[..own].iter().map(|effect| effect.coefficients.len()).sum();
         let at = fit.layout.effects.start + before;

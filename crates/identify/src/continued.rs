@@ -1,14 +1,14 @@
-//! How much an earlier calibration counts: as much as the new rows bear out.
+//! The weight of an earlier calibration: as much as the new rows support.
 //!
-//! A posterior is surer of itself than a real robot deserves: what its model lacked was taken for noise, and an arm may have
-//! been knocked since. The earlier rows are therefore counted with a power between 0 and 1 (the power prior of Ibrahim and
-//! Chen): the largest of a few beside which no other makes the new rows clearly more probable,
+//! A posterior is overconfident for a real robot: it treats errors that its model lacks as noise, and an arm may have had a collision
+//! since. The earlier rows therefore count with a power between 0 and 1 (the power prior of Ibrahim and Chen): the largest
+//! of a few weights such that no other makes the new rows clearly more probable,
 //!
 //! ```text
 //! log p(rows | w) = - ½ Σ_channels (N log σ² + RSS/σ²) - ½ δᵀ P_w δ + ½ log |P_w| + ½ log |C_w|
 //! ```
-//! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their deviation from the prior's mean, on
-//! the directions that the common frame leaves (MacKay 1992, Neural Computation 4, 415: Laplace's approximation).
+//! with P_w the prior's precision, C_w the joints' covariance after the fit and δ their deviation from the prior's mean, in
+//! the directions that the common frame does not absorb (MacKay 1992, Neural Computation 4, 415: Laplace's approximation).
 
 use crate::arm::Arm;
 use crate::gauge;
@@ -21,14 +21,14 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// The weights that are tried.
 pub(super) const WEIGHTS: [f64; 8] = [1.0, 0.5, 0.2, 0.1, 0.03, 0.01, 1e-3, 0.0];
-/// What the rows must gain in log probability before less than all is counted: odds of 20 to 1.
+/// Least gain in log probability for a weight below 1: odds of 20 to 1.
 pub(super) const CONTRADICTED: f64 = 3.0;
-/// A condition smaller than this share of the largest is rounding.
+/// A condition smaller than this fraction of the largest is rounding.
 const SAYS_NOTHING: f64 = 1e-9;
 
-/// The geometric fit that goes on from an earlier calibration, and the weight at which it counts.
+/// The geometric fit that continues an earlier calibration, and the weight of that.
 ///
-/// While the weight is chosen, which rows are gross outliers is decided without the earlier calibration, so that it cannot
+/// While the weight is chosen, gross outliers are found without the earlier calibration, so that it cannot
 /// reject what contradicts it.
 pub(super) fn continued(
     data: &Measurements,
@@ -53,16 +53,16 @@ pub(super) fn continued(
     (fit_stage(data, &start, &NoEffects, weights, &counted(weight, options.fit.robust)), weight)
 }
 
-/// The largest of these weights beside which no other makes the rows clearly more probable, and the logarithm of their probability.
+/// The largest of these weights such that no other makes the rows clearly more probable, and the log probability of the rows.
 pub(super) fn borne_out(tried: &[(f64, f64)]) -> (f64, f64) {
     let best = tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
     let enough = tried.iter().find(|(_, evidence)| *evidence >= best - CONTRADICTED);
     enough.copied().unwrap_or((0.0, f64::NEG_INFINITY))
 }
 
-/// Logarithm of the rows' probability under the layout's prior, up to what no weight changes.
+/// Log probability of the rows under the layout's prior, up to terms that do not depend on the weight.
 ///
-/// Effects are free under the layout's prior of them, or there are none.
+/// Effects, if any, are free under the layout's prior.
 pub(super) fn log_evidence<E: Effects>(data: &Measurements, fit: &Fit<E>) -> f64 {
     let channels = &data.scene.channels;
     let mut sums = vec![0.0; channels.len()];
@@ -114,7 +114,7 @@ pub(super) fn log_evidence<E: Effects>(data: &Measurements, fit: &Fit<E>) -> f64
     0.5 * (log_determinant(&precision) + log_determinant(&covariance) - of_rows - charge)
 }
 
-/// Orthonormal directions of the joints' parameters, in tolerances, that the common frame leaves.
+/// Orthonormal directions of the joints' parameters, in tolerances, that the common frame does not absorb.
 fn free_directions<E>(fit: &Fit<E>, unit: &DVector<f64>) -> DMatrix<f64> {
     let count = unit.len();
     let mut held = gauge::conditions(&fit.layout, &fit.arm).rows(0, count).into_owned();

@@ -1,4 +1,4 @@
-//! The Denavit-Hartenberg form as a set of parameters: how many numbers it has too many, where, and where it fails.
+//! The Denavit-Hartenberg form as a set of parameters: how many are redundant, where, and where it fails.
 //!
 //! Base frame (6), a row of four per joint, tool frame (6): 4n + 12 numbers. In the proximal order
 //! base · Π Rx(α(i-1)) Tx(a(i-1)) Rz(θi + qi) Tz(di) · tool each number turns about or slides along a line that the
@@ -8,7 +8,7 @@ use crate::identifiability::RANK_TOLERANCE;
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};
 
-/// Neighbours whose axes are closer to parallel than this have a common normal that small errors turn about, rad.
+/// Axes closer to parallel than this have an ill-conditioned common normal, rad.
 const NEARLY_PARALLEL: f64 = 0.02;
 
 /// What the D-H form of a chain can and cannot express.
@@ -18,14 +18,14 @@ pub struct DhForm {
     pub numbers: usize,
     /// Rank with full poses.
     pub rank: usize,
-    /// How many of the numbers in the base frame and the first row are too many.
+    /// Number of redundant parameters in the base frame and the first row.
     pub redundant_in_base: usize,
-    /// How many of the numbers in the last θ, d and the tool frame are too many.
+    /// Number of redundant parameters in the last θ, d and the tool frame.
     pub redundant_in_tool: usize,
     /// Neighbours with (nearly) parallel axes, by index of the first: no small change of the row tilts one against the
     /// other about the second direction across, and their d cannot be separated.
     pub parallel: Vec<usize>,
-    /// Prismatic joints: their axis has no place, so two numbers of the rows beside them are too many.
+    /// Prismatic joints: their axis has no position, so two numbers of the neighbouring rows are redundant.
     pub prismatic: Vec<usize>,
 }
 
@@ -75,7 +75,7 @@ fn columns(chain: &Chain) -> Vec<Column> {
         columns.push(Column { twist: about(&Point3::origin(), e), carried_by: 0 });
         columns.push(Column { twist: along(e), carried_by: 0 });
     }
-    // The base's own z axis stands for the axis before the first.
+    // The base's z axis is used as the axis before the first.
     let mut last = (Vector3::z(), Point3::origin());
     for (index, joint) in chain.joints().iter().enumerate() {
         let this = axis(&joint.screw, &last.1);

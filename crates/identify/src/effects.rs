@@ -1,4 +1,4 @@
-//! Effects that geometry lacks: where each acts (carrier) times what drives it (driver).
+//! Effects beyond geometry: where each acts (carrier) times what drives it (driver).
 
 pub mod approach;
 pub mod averaged;

@@ -1,23 +1,23 @@
-//! What an earlier calibration knows of effects' coefficients, given the axes: rows that stand beside those that were measured.
+//! An earlier calibration's knowledge of effects' coefficients, given the axes, as rows in addition to the measured ones.
 //!
-//! With η the joints' parameters, μ what is expected of them, c the coefficients, and C the earlier covariance,
+//! With η the joints' parameters, μ their expected values, c the coefficients, and C the earlier covariance,
 //!
 //! ```text
 //! c | η ~ N(m + A (η - μ), R)      A = C_cη C_ηη⁻¹      R = C_cc - A C_ηc
 //! ```
-//! The joints' own prior says the rest, so both together are the earlier posterior of axes and coefficients.
+//! Together with the joints' own prior this is the earlier posterior of axes and coefficients.
 
 use crate::parameter::Known;
 use crate::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
-/// Nobody knows a coefficient better than to this share of its standard deviation, all others given: R stays invertible.
+/// Smallest conditional standard deviation of a coefficient, as a fraction of its standard deviation: R stays invertible.
 const BEST_KNOWN: f64 = 1e-5;
 
-/// What is expected of some coefficients of a model, given the joints' parameters.
+/// The prior of some coefficients of a model, given the joints' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectsPrior {
-    /// The first of them, counted among the numbers of all effects.
+    /// Index of the first among the numbers of all effects.
     first: usize,
     /// μ, in the parameters' units.
     expected: DVector<f64>,
@@ -30,11 +30,11 @@ pub struct EffectsPrior {
 }
 
 impl EffectsPrior {
-    /// Of the coefficients from `first` on.
+    /// The prior of the coefficients from `first` on.
     ///
     /// # Shape and units
     /// `own`: covariance of the coefficients; `cross`: theirs with the joints' parameters, a row for each coefficient;
-    /// `joints`: what is expected of the joints' parameters, and their covariance.
+    /// `joints`: expected values of the joints' parameters, and their covariance.
     pub fn new(
         first: usize,
         mean: DVector<f64>,
@@ -51,7 +51,7 @@ impl EffectsPrior {
         let count = mean.len();
         let spread: Vec<f64> = (0..count).map(|k| own[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
         let mut scaled = DMatrix::from_fn(count, count, |i, k| rest[(i, k)] / (spread[i] * spread[k]));
-        // What rounding left below 0 is nothing.
+        // Eigenvalues below 0 are rounding.
         let eigen = (0.5 * (&scaled + scaled.transpose())).symmetric_eigen();
         let kept = eigen.eigenvalues.map(|value| value.max(BEST_KNOWN * BEST_KNOWN));
         scaled = &eigen.eigenvectors * DMatrix::from_diagonal(&kept.map(|value| value.sqrt().recip()));
@@ -71,7 +71,7 @@ impl EffectsPrior {
         Self { expected, along, ..self }
     }
 
-    /// Of coefficients that are held: each its mean and standard deviation.
+    /// The prior of held coefficients: each with its mean and standard deviation.
     pub fn held(first: usize, mean: DVector<f64>, std: &[f64], joints: usize) -> Self {
         let firm = |value: &f64| if *value > 0.0 { value.recip() } else { 0.0 };
         let whitening = DMatrix::from_diagonal(&DVector::from_iterator(std.len(), std.iter().map(firm)));

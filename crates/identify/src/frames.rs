@@ -1,33 +1,33 @@
-//! Frames that nobody sees: which tips, instruments and points are held together by what is measured.
+//! Unobservable frames: which tips, instruments and points are connected by measurements.
 //!
 //! Moving base frame, axes, instruments, points and targets together changes no measured value. Where two arms of one robot share
-//! neither a joint nor an instrument nor a point, each of them can be moved so by itself: they have a frame each.
+//! neither a joint nor an instrument nor a point, each of them can move by itself: each has its own frame.
 
 use denavit_measurements::Scene;
 use denavit_model::{Chain, Tips};
 
-/// For everything that can be moved, which frame it moves with, counted from 0.
+/// The frame with which each movable part moves, counted from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frames {
-    /// How many frames there are.
+    /// Number of frames.
     pub count: usize,
-    /// Of each joint.
+    /// Frame of each joint.
     pub joints: Vec<usize>,
-    /// Of each setup.
+    /// Frame of each setup.
     pub setups: Vec<usize>,
-    /// Of each point.
+    /// Frame of each point.
     pub points: Vec<usize>,
-    /// Of each target.
+    /// Frame of each target.
     pub targets: Vec<usize>,
     /// The ways to the tips.
     tips: Tips,
 }
 
 impl Frames {
-    /// Of a chain, or of a tree as its chain and the scene's tips say, and what is observed of it.
+    /// The frames of a chain, or of a tree given by its chain and the scene's tips, with its observations.
     pub fn of(chain: &Chain, scene: &Scene) -> Self {
         let tips = scene.tips_of(chain);
-        // Tips of one frame have one number; a tip that nothing is seen of goes with the first.
+        // Tips of one frame have one number; an unobserved tip belongs to the first.
         let count = tips.all().len();
         let mut frame: Vec<usize> = (0..count).collect();
         let mut join = |a: usize, b: usize| {

@@ -1,26 +1,26 @@
-//! The frame that nobody sees: moving base frame, axes and targets together changes no measured value.
+//! The unobservable frame: moving base frame, axes and targets together changes no measured value.
 //!
-//! A fit holds these directions by asking that the axes stay as near to nominal as they can.
+//! A fit fixes these directions by the condition that the axes stay as near to nominal as possible.
 
 use crate::arm::Arm;
 use crate::parameters::{Layout, ParameterKind};
 use denavit_model::nalgebra::{DMatrix, DVector, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
-/// Weight of the targets' places beside the axes' tolerances: only what moves no axis is left to them.
+/// Weight of the targets' positions relative to the axes' tolerances: they hold only motions that move no axis.
 const WEIGHT_OF_TARGETS: f64 = 1e-8;
 
-/// Moves that make the conditions hold exactly, one better than the other.
+/// Most iterations until the conditions hold exactly.
 const MOST_MOVES: usize = 5;
 /// A move of this size (rad, m) is the last.
 const SMALL_MOVE: f64 = 1e-10;
-/// A motion that resists less than this, beside the others, moves nothing that the conditions look at.
+/// A motion with less resistance than this, relative to the others, does not affect the conditions.
 const MOVES_NOTHING: f64 = 1e-11;
 
 /// Change of each parameter by a common motion of axes and targets: for each of the layout's frames 6 columns, twists `[omega; v]`
 /// in the base frame.
 ///
-/// Columns of the instruments are their own countermove; points move along.
+/// Columns of the instruments are the opposite motion; points move along.
 pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     let frames = &layout.frames;
     let mut motions = DMatrix::zeros(layout.len(), 6 * frames.count);
@@ -75,17 +75,17 @@ pub fn common_motions(layout: &Layout, arm: &Arm) -> DMatrix<f64> {
     motions
 }
 
-/// Where the tip that a target sits on is with every joint value 0.
+/// Pose of a target's tip with every joint value 0.
 fn home_of(arm: &Arm, target: usize) -> &Pose {
     &arm.tips[arm.sits_on[target]].home
 }
 
-/// The conditions that hold the frame: their product with the deviation from nominal is to be 0. Up to 6 columns for each frame.
+/// The conditions that hold the frame: their product with the deviation from nominal must be 0. Up to 6 columns for each frame.
 ///
-/// They say that no common motion brings the axes nearer to nominal, each deviation taken in its tolerance. Motions
-/// are those of the robot as drawn. What moves none of its axes (along the parallel axes of a SCARA) is settled by
-/// the targets, which stay where `reference` has them, unless there are effects: these act at places of the arm, so the
-/// data may tell it, and it is left free. None where no axis is free: what common motions zeros can make, their prior holds.
+/// No common motion may bring the axes nearer to nominal, each deviation in its tolerance. Motions are those of the drawn
+/// robot. A motion that moves no axis (along the parallel axes of a SCARA) is fixed by the targets, which stay as in
+/// `reference`, unless there are effects: these act at points of the arm, so the data may determine the motion, and it is
+/// free. No conditions where no axis is free: the prior of the zeros holds their common motions.
 pub fn conditions(layout: &Layout, reference: &Arm) -> DMatrix<f64> {
     if !layout.axes_are_free() {
         return DMatrix::zeros(layout.len(), 0);
@@ -108,7 +108,7 @@ fn held(layout: &Layout, reference: &Arm) -> (DMatrix<f64>, DMatrix<f64>) {
         conditions.row_mut(row).scale_mut(weight);
     }
     let resistance = motions.transpose() * &conditions;
-    // Brought to size 1: rotations and translations weigh differently.
+    // Scaled to size 1: rotations and translations have different weights.
     let largest = resistance.diagonal().max().max(f64::MIN_POSITIVE);
     let size = resistance.diagonal().map(|own| 1.0 / own.max(MOVES_NOTHING * MOVES_NOTHING * largest).sqrt());
     let all = resistance.nrows();
@@ -129,7 +129,7 @@ pub fn in_scaled(mut conditions: DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
     conditions.qr().q()
 }
 
-/// The arm that measures exactly the same, moved so that the conditions hold: its axes are as near to nominal as the
+/// The arm with the same predictions, moved so that the conditions hold: its axes are as near to nominal as the
 /// common frame allows.
 pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
     if !layout.axes_are_free() {
@@ -147,7 +147,7 @@ pub fn centred(layout: &Layout, arm: &Arm, reference: &Arm) -> Arm {
     moved
 }
 
-/// The common motion of each frame, of those that are held, that makes the conditions hold to first order.
+/// The common motion of each held frame that makes the conditions hold to first order.
 fn missing(
     layout: &Layout,
     conditions: &DMatrix<f64>,
@@ -168,7 +168,7 @@ fn missing(
     (twists.iter().any(|x| *x != 0.0) && twists.iter().all(|x| x.is_finite())).then_some(twists)
 }
 
-/// Move axes, points and targets, and the instruments' frames against them; six numbers for each frame.
+/// Moves axes, points and targets, and the instruments' frames oppositely; six numbers for each frame.
 fn move_all(layout: &Layout, arm: &mut Arm, twists: &DVector<f64>) {
     let frames = &layout.frames;
     let motions: Vec<Pose> =

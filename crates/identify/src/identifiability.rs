@@ -1,4 +1,4 @@
-//! What data can tell: the paper's count beside the numerical rank, and the names of what stays unidentifiable.
+//! Identifiability: the paper's count, the numerical rank, and the names of unidentifiable parameters.
 
 use crate::arm::{Arm, Perturbation, Row, RowState};
 use crate::gauge;
@@ -10,22 +10,22 @@ use denavit_model::nalgebra::DMatrix;
 use denavit_model::{Chain, Screw};
 use std::ops::Range;
 
-/// Columns scaled to length 1, singular values below this share of the largest count as zero.
+/// Singular values below this fraction of the largest count as zero, columns scaled to length 1.
 ///
-/// Rounding leaves 1e-13 of the largest; directions that a real run tells worst come out at 1e-5.
+/// Rounding leaves 1e-13 of the largest; the weakest directions of real runs have 1e-5.
 pub const RANK_TOLERANCE: f64 = 1e-9;
-/// A parameter of which more than this share (squared) lies in directions that nothing tells is named.
+/// A parameter is named if more than this fraction (squared) lies in unidentifiable directions.
 const NAMED_SHARE: f64 = 0.2;
-/// Rows of the data, and of the stacked Jacobian, that are reduced at a time.
+/// Number of rows of the data, and of the stacked Jacobian, reduced at a time.
 const CHUNK: usize = 1024;
 
-/// How many numbers a chain's form has, and which of them data can tell.
+/// The number of a chain's parameters, and which of them the data determine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identifiability {
     /// What is measured.
     pub scene: Scene,
-    /// The count for enough poses in general position: 5h + 4r + 2t + n and what is unknown beside the arm, less 6 for each
-    /// frame that nobody sees: 6 for poses, 3 per target for positions, none for distances from one anchor.
+    /// The count for enough poses in general position: 5h + 4r + 2t + n plus the unknowns beyond the arm, minus 6 for each
+    /// unobservable frame: 6 for poses, 3 per target for positions, none for distances from one anchor.
     pub expected: usize,
     /// The count as a sum, such as `4·6 + 6`.
     pub formula: String,
@@ -33,16 +33,16 @@ pub struct Identifiability {
     pub rank: usize,
     /// Smallest singular value that counts, relative to the largest; columns scaled to length 1.
     pub smallest: f64,
-    /// What is not identifiable.
+    /// The parameters that are not identifiable.
     pub unidentifiable: Vec<UnidentifiableParameter>,
 }
 
-/// A number that the data cannot tell.
+/// A parameter that the data cannot determine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnidentifiableParameter {
     /// The parameter's name.
     pub parameter: String,
-    /// The joint that it belongs to; empty where it belongs to none.
+    /// The joint that it belongs to; empty for other parameters.
     pub joint: String,
     /// Why it is not identifiable.
     pub why: String,
@@ -51,8 +51,8 @@ pub struct UnidentifiableParameter {
 /// 5h + 4r + 2t + n plus what the measurement adds, and the sum as text.
 ///
 /// # Source
-/// Wu, Crawford, Roberts 2019, eq. (23), for poses. A target's place is all that remains of the tool where positions
-/// are measured; with distances the target's and the anchor's six numbers make up for the frame that nobody sees.
+/// Wu, Crawford, Roberts 2019, eq. (23), for poses. With positions only the target's position remains of the tool; with
+/// distances the six numbers of target and anchor cancel the unobservable frame.
 pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, String) {
     if freedom.zeros_alone() {
         let layout = Layout::new(chain, scene, freedom, &Tolerances::default(), Vec::new());
@@ -64,7 +64,7 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
     let revolute = count(|screw| matches!(screw, Screw::Revolute(_)));
     let prismatic = count(|screw| matches!(screw, Screw::Prismatic(_)));
     let scales = freedom.scales.iter().filter(|free| **free).count();
-    // Directions alone do not tell where an axis is, nor where a frame is.
+    // Directions alone do not determine the position of an axis or a frame.
     let turned_alone = scene.kinds().iter().all(|kind| kind.is_turned_alone());
     let pitches = chain
         .joints()
@@ -102,7 +102,7 @@ pub fn expected(chain: &Chain, scene: &Scene, freedom: &Freedom) -> (usize, Stri
     (axes + scales + pitches + rest, terms.join(" + "))
 }
 
-/// What the rows of `data` can tell at this state of the arm; measured values do not matter.
+/// Identifiability by the rows of `data` at this state of the arm; measured values do not matter.
 pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, freedom: &Freedom) -> Identifiability {
     let layout = Layout::new(&arm.nominal, &data.scene, freedom, &Tolerances::default(), effects.parameters());
     let (expected, formula) = expected(&arm.nominal, &data.scene, freedom);
@@ -126,7 +126,7 @@ pub fn identifiability<E: Effects>(data: &Measurements, arm: &Arm, effects: &E, 
     }
 }
 
-/// The rows with what the arm predicts in place of what was measured.
+/// The rows with the arm's predictions instead of measured values.
 fn predicted<E: Effects>(data: &Measurements, rows: Range<usize>, arm: &Arm, effects: &E) -> Measurements {
     let mut predicted = data.subset(&rows.collect::<Vec<usize>>());
     let (mut state, mut perturbation) = (RowState::default(), Perturbation::none(arm.joints.len()));
@@ -148,7 +148,7 @@ fn predicted<E: Effects>(data: &Measurements, rows: Range<usize>, arm: &Arm, eff
 
 /// Upper triangle R of the stacked Jacobian, J = Q R, reduced chunk by chunk.
 ///
-/// With residuals of 0 the common frame is exactly free; with measured ones they would tell of it.
+/// With residuals of 0 the common frame is exactly free; measured residuals would constrain it.
 fn triangle<E: Effects>(data: &Measurements, layout: &Layout, arm: &Arm, effects: &E) -> DMatrix<f64> {
     let columns = layout.len();
     let height = data.tallest_row();
@@ -186,8 +186,8 @@ fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
     matrix
 }
 
-/// A Jacobian that these motions leave as it is: where nothing is read, no prediction makes the residuals 0, and what is
-/// left of them would tell the common frame.
+/// A Jacobian that is invariant to these motions: without readings no prediction makes the residuals 0, and the remaining residuals
+/// would constrain the common frame.
 fn orthogonal_to(triangle: &DMatrix<f64>, motions: &DMatrix<f64>) -> DMatrix<f64> {
     let basis = motions.clone().qr().q();
     triangle - triangle * &basis * basis.transpose()
@@ -196,7 +196,7 @@ fn orthogonal_to(triangle: &DMatrix<f64>, motions: &DMatrix<f64>) -> DMatrix<f64
 struct Analysis {
     rank: usize,
     smallest: f64,
-    /// Per parameter, the share of it in directions that neither the data nor the common frame's conditions hold.
+    /// Per parameter, its fraction in directions that neither the data nor the common frame's conditions determine.
     shares: Vec<f64>,
     /// The directions themselves, columns, scaled.
     directions: DMatrix<f64>,
@@ -207,7 +207,7 @@ fn analyse(triangle: &DMatrix<f64>, conditions: &DMatrix<f64>) -> Analysis {
     let scale: Vec<f64> =
         triangle.column_iter().map(|column| if column.norm() > 0.0 { column.norm().recip() } else { 1.0 }).collect();
     if !triangle.iter().chain(conditions).all(|value| value.is_finite()) {
-        // Singular values of what overflowed would be looked for without end.
+        // The search for singular values does not end on overflowed numbers.
         return Analysis {
             rank: 0,
             smallest: 0.0,
@@ -224,7 +224,7 @@ fn analyse(triangle: &DMatrix<f64>, conditions: &DMatrix<f64>) -> Analysis {
     let identifiable = || values.iter().copied().filter(|value| *value > RANK_TOLERANCE * largest);
     let rank = identifiable().count();
     let smallest = identifiable().fold(f64::INFINITY, f64::min) / largest;
-    // Conditions as further rows, as heavy as data, so that the common frame does not count as unidentifiable.
+    // Conditions as further rows, with the weight of data, so that the common frame does not count as unidentifiable.
     let mut held = conditions.transpose();
     for (mut column, s) in held.column_iter_mut().zip(&scale) {
         column.scale_mut(*s);
@@ -254,7 +254,7 @@ fn name(layout: &Layout, data: &Measurements, arm: &Arm, analysis: &Analysis) ->
     let joint_name = |parameter: &Parameter| parameter.kind.joint().map_or(String::new(), |k| joints[k].name.clone());
     let mut unidentifiable = Vec::new();
     for (index, parameter) in layout.parameters.iter().enumerate() {
-        // A zero is told by the other joints' motion, too.
+        // The motion of other joints also determines a zero.
         let of_zero = matches!(parameter.kind, ParameterKind::Zero { .. });
         let of_still_joint = !of_zero && parameter.kind.joint().is_some_and(|joint| still[joint]);
         let why = if let Some(joint) = parameter.kind.joint().filter(|_| of_still_joint) {
@@ -283,7 +283,7 @@ fn why_mixed(layout: &Layout, analysis: &Analysis, index: usize) -> String {
         .filter(|(weight, _)| *weight > 0.3 * own.norm_squared())
         .collect();
     if partners.is_empty() {
-        return "no row moves because of it".into();
+        return "it moves no row".into();
     }
     partners.sort_by(|a, b| b.0.total_cmp(&a.0));
     let names: Vec<&str> = partners.iter().take(3).map(|(_, other)| layout.parameters[*other].name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! The nominal stage, then the axes: what becomes of a run of measurements.
+//! Identification from a run of measurements: the nominal stage, then the axes.
 
 use crate::arm::Arm;
 use crate::continued;
@@ -10,12 +10,12 @@ use crate::solve::{Fit, FitOptions, fit};
 use denavit_measurements::{Measurements, Scene};
 use denavit_model::Chain;
 
-/// What becomes of an earlier calibration on new rows.
+/// An earlier calibration on new rows.
 #[derive(Debug, Clone)]
 pub struct EarlierFit {
-    /// Its axes, instrument and targets placed anew.
+    /// Its axes, with instrument and targets placed again.
     pub fit: Fit<NoEffects>,
-    /// How much of it the geometric stage counts: 1 in full, 0 not at all, as the new rows bear it out.
+    /// Its weight in the geometric stage, as the new rows support it: 1 in full, 0 not at all.
     pub weight: f64,
 }
 
@@ -24,7 +24,7 @@ pub struct EarlierFit {
 pub struct Identification {
     /// The robot as drawn, instrument and targets fitted to the rows that the geometric stage kept.
     pub nominal: Fit<NoEffects>,
-    /// The robot as an earlier calibration left it, instrument and targets fitted to the same rows.
+    /// The robot of an earlier calibration, with instrument and targets fitted to the same rows.
     pub earlier: Option<Box<EarlierFit>>,
     /// The axes fitted too.
     pub geometric: Fit<NoEffects>,
@@ -49,7 +49,7 @@ impl IdentifyOptions {
         options
     }
 
-    /// Every axis, no scale, no pitch of a revolute joint, nothing known from before, within the drawing's tolerances: what any robot is tried with.
+    /// Every axis, no scale, no pitch of a revolute joint, no earlier calibration, within the drawing's tolerances: the default for any robot.
     #[must_use]
     pub fn plain(&self, chain: &Chain) -> Self {
         let freedom = Freedom::axes(chain.joints().len());
@@ -81,7 +81,7 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     };
     let layout = &first.layout;
     let plain = FitOptions { robust: false, ..options.fit };
-    // Its plates lie as those of the geometry: these are told from the ones that are turned over.
+    // Its plates have the side of the geometric fit, which distinguishes the two sides.
     let start = initial_guess::with_plates_of(data, &as_drawn, &geometric.arm);
     let nominal = fit(data, layout, &start, &NoEffects, &geometric.weights, &plain);
     let earlier = options.earlier.as_ref().map(|earlier| {
@@ -92,7 +92,7 @@ pub fn identify(chain: &Chain, data: &Measurements, options: &IdentifyOptions) -
     Identification { nominal, earlier, geometric }
 }
 
-/// The chain whose coordinates count from elsewhere: what is added to each reading, rad or m.
+/// The chain with shifted zeros: `zeros` is added to each reading, rad or m.
 fn zeros_shifted(chain: &Chain, zeros: &[f64]) -> Chain {
     let mut arm = Arm::new(chain, &Scene::default());
     for (index, joint) in chain.joints().iter().enumerate() {
@@ -103,7 +103,7 @@ fn zeros_shifted(chain: &Chain, zeros: &[f64]) -> Chain {
     arm.chain()
 }
 
-/// Steps to the arm that deviates from the drawing by given numbers: each leaves the square of what was missing.
+/// Newton steps to the arm that deviates from the drawing by given numbers: convergence is quadratic.
 const STEPS_TO_EXPECTED: usize = 4;
 
 /// The arm with its axes where the layout's prior expects them.

@@ -1,4 +1,4 @@
-//! What is to be identified, and the fit of a stage by it.
+//! What to identify, and the fit of a stage.
 
 use crate::arm::Arm;
 use crate::parameters::{Effects, Freedom, Layout, Tolerances};
@@ -7,18 +7,18 @@ use crate::solve::{Fit, FitOptions, fit};
 use denavit_measurements::Measurements;
 use denavit_model::Chain;
 
-/// What is to be identified, and what is held how firmly.
+/// What to identify, and how firmly to hold the rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifyOptions {
     /// Which parts of the arm are free.
     pub freedom: Freedom,
     /// The prior: how far the robot is expected to be from its drawing.
     pub tolerances: Tolerances,
-    /// What an earlier calibration knows of the axes; it takes the place of the tolerances where it says anything.
+    /// An earlier calibration's knowledge of the axes; it replaces the tolerances of its parameters.
     pub earlier: Option<Earlier>,
-    /// Outliers and the end of the iteration.
+    /// Outliers and the stopping rule.
     pub fit: FitOptions,
-    /// Where zeros start from, one per coordinate, rad or m; empty: at the drawing.
+    /// Start values of zeros, one per coordinate, rad or m; empty: the drawing's.
     pub start_zeros: Vec<f64>,
 }
 
@@ -42,7 +42,7 @@ impl IdentifyOptions {
     }
 }
 
-/// Standard deviation of a zero that nobody has set, rad and m.
+/// Standard deviation of a zero that was never set, rad and m.
 const LOOSE_ZERO: [f64; 2] = [0.1, 0.02];
 
 /// Fit axes, instrument, targets and the effects' numbers together, starting at `start`.

@@ -1,19 +1,19 @@
-//! What the rows of a fit alone say of the joints' parameters, no prior in it: robots of one drawing can be put together by it.
+//! Information of a fit's rows on the joints' parameters, without the prior: it can be pooled over robots of one drawing.
 //!
-//! At the end of a fit the rows pull the parameters against the prior with equal force. With C the joints' covariance, P the
-//! prior's precision, δ the deviation from the prior's mean, in the directions that the common frame leaves,
+//! At the end of a fit the pull of the rows on the parameters balances that of the prior. With C the joints' covariance, P the
+//! prior's precision, δ the deviation from the prior's mean, in the directions that the common frame does not absorb,
 //!
 //! ```text
 //! information Λ = C⁻¹ - P      pull η = Λ θ + P δ
 //! ```
-//! so that the rows' own likelihood is exp(-½ θᵀ Λ θ + ηᵀ θ) near the fit. What the rows do not tell has no information, and
-//! needs no large standard deviation. Instruments, targets and effects are left free.
+//! so that the rows' own likelihood is exp(-½ θᵀ Λ θ + ηᵀ θ) near the fit. Directions that the rows do not determine have no
+//! information, and need no large standard deviation. Instruments, targets and effects are free.
 
 use crate::prior::free_of_common_motions;
 use crate::solve::Fit;
 use denavit_model::nalgebra::{DMatrix, DVector};
 
-/// Information and pull of the joints' parameters.
+/// Information matrix and vector of the joints' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Information {
     /// Names of the parameters, such as `elbow_joint.turn_x`.
@@ -25,7 +25,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of a fit's rows; `None` where it has no free axes or nothing is identifiable.
+    /// The information of a fit's rows; `None` where it has no free axes or nothing is identifiable.
     pub fn of<E>(fit: &Fit<E>) -> Option<Self> {
         let count = fit.layout.joints.len();
         if count == 0 {

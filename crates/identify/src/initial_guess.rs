@@ -1,4 +1,4 @@
-//! Where the instrument, the anchor and the targets stand: first guesses that a fit can start from.
+//! First guesses of the poses of instrument, anchor and targets, from which a fit can start.
 
 use crate::arm::Arm;
 use crate::least_squares::least_squares;
@@ -11,21 +11,21 @@ use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vect
 use denavit_model::{Chain, Pose, se3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Rows that the search for a start looks at.
+/// Number of rows for the search for a start.
 const ROWS_FOR_START: usize = 60;
-/// Rows that place the robot as drawn before its axes are fitted: more do not make a better start.
+/// Number of rows that place the drawn robot before its axes are fitted: more do not improve the start.
 const ROWS_FOR_PLACEMENT: usize = 1000;
-/// Rows that must see each target among these.
+/// Fewest of these rows that must see each target.
 const LEAST_SIGHTS: usize = 30;
-/// Turned frames that a fit starts from: those that are nearest to the data before it.
+/// Number of rotated frames that a fit starts from: those nearest to the data.
 const TURNS_TO_FIT: usize = 3;
-/// How often targets and instrument are placed in turn, each in closed form, before a turned frame is judged.
+/// How often targets and instrument are placed alternately, each in closed form, before a rotated frame is evaluated.
 const PLACINGS: usize = 3;
-/// Iterations that show whether a start leads anywhere: from the right one a fit is nearly there.
+/// Iterations that test a start: from the right one a fit has nearly converged.
 const ITERATIONS_FROM_START: usize = 15;
-/// Another direction of gravity must leave less than this share of the squares to be taken.
+/// Another direction of gravity must reduce the sum of squares below this fraction to be used.
 const CLEARLY_BETTER: f64 = 0.9;
-/// A start is good enough when the fit that it leads to leaves less than this share of the robot's size.
+/// A start is good enough when the residuals of its fit are below this fraction of the robot's size.
 const GOOD_ENOUGH: f64 = 0.01;
 
 /// The nominal robot with instrument (or anchor) and targets fitted: the stage `nominal`.
@@ -35,7 +35,7 @@ const GOOD_ENOUGH: f64 = 0.01;
 pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options: &FitOptions) -> Fit<NoEffects> {
     let freedom = Freedom::placement(chain.joints().len());
     let layout = Layout::new(chain, &data.scene, &freedom, &Tolerances::default(), Vec::new());
-    // Where an image says the pose of its board, poses are the better start.
+    // Where images determine the pose of the board, poses are the better start.
     let start = match data.as_poses() {
         Some(posed) => {
             let layout = Layout::new(chain, &posed.scene, &freedom, &Tolerances::default(), Vec::new());
@@ -51,11 +51,11 @@ pub fn nominal_fit(chain: &Chain, data: &Measurements, weights: &[f64], options:
     with_plates_turned(data, placed(&start), &placed)
 }
 
-/// A plate turned round must leave less than this share of the squares to be taken.
+/// A reversed plate must reduce the sum of squares below this fraction to be used.
 const TURNED_IS_BETTER: f64 = 0.9;
 
-/// The fit with every plate on the side on which it leaves least: readings that count up where the fit has them count down leave
-/// a minimum of their own, which no step leads out of.
+/// The fit with every plate on its better side: readings with the wrong sign have a local minimum of their own, which no step
+/// leaves.
 pub(crate) fn with_plates_turned(
     data: &Measurements,
     mut found: Fit<NoEffects>,
@@ -68,7 +68,7 @@ pub(crate) fn with_plates_turned(
     let of_plates: Vec<usize> = (0..data.observations()).filter(|&observation| reads(observation)).collect();
     let left = |fit: &Fit<NoEffects>| of_plates.iter().map(|&at| fit.squares[at][0]).sum::<f64>();
     let setups: BTreeSet<usize> = of_plates.iter().map(|&at| data.series_of(at).setup).collect();
-    // Each may be right only when the others are.
+    // One may fit only when the others do.
     for _ in &setups {
         let before = left(&found);
         for &setup in &setups {
@@ -90,7 +90,7 @@ pub(crate) fn with_plates_turned(
     found
 }
 
-/// The arm, its plates lying as those of another.
+/// The arm with the plates on the same side as another's.
 pub(crate) fn with_plates_of(data: &Measurements, arm: &Arm, other: &Arm) -> Arm {
     let mut arm = arm.clone();
     for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
@@ -99,7 +99,7 @@ pub(crate) fn with_plates_of(data: &Measurements, arm: &Arm, other: &Arm) -> Arm
     arm
 }
 
-/// Rows spread over the run that do for placing the robot as drawn; `None` where that takes all of them.
+/// Rows spread over the run that suffice to place the drawn robot; `None` where all are needed.
 pub fn some_rows(data: &Measurements) -> Option<Measurements> {
     let rows = data.len();
     if rows <= ROWS_FOR_PLACEMENT {
@@ -112,7 +112,7 @@ pub fn some_rows(data: &Measurements) -> Option<Measurements> {
     sights.iter().all(|sights| *sights >= LEAST_SIGHTS).then_some(some)
 }
 
-/// A start near the best fit: a closed form on some rows, and a search over turned frames where that does not do.
+/// A start near the best fit: a closed form on some rows, and a search over rotated frames where that fails.
 fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -> Arm {
     if data.scene.setups.len() > 1 && data.scene.has_instruments() {
         return assembled(chain, data, weights);
@@ -138,13 +138,13 @@ fn start(chain: &Chain, data: &Measurements, weights: &[f64], layout: &Layout) -
     best.map_or_else(|| Arm::new(chain, &data.scene), |(_, arm)| arm)
 }
 
-/// Where the tip of each row is by the drawing.
+/// Pose of the tip in each row by the drawing.
 fn tips_as_drawn(chain: &Chain, data: &Measurements) -> Vec<Pose> {
     let tips = data.scene.tips_of(chain);
     (0..data.len()).map(|row| tips[data.tip_of(row)].fk(chain, data.reading(row))).collect()
 }
 
-/// A start for each setup by itself, put together.
+/// Separate starts of the setups, combined.
 fn assembled(chain: &Chain, data: &Measurements, weights: &[f64]) -> Arm {
     let mut arm = Arm::new(chain, &data.scene);
     for setup in (0..data.scene.setups.len()).filter(|&setup| !data.scene.is_held(setup)) {
@@ -173,7 +173,7 @@ fn misfit(fit: &Fit<NoEffects>) -> f64 {
     fit.noise.levels.iter().fold(0.0f64, |most, level| most.max(*level))
 }
 
-/// Some rows spread over the run, those that see the most targets.
+/// Rows spread over the run that see the most targets.
 fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     let useful: Vec<usize> =
         (0..data.len()).filter(|&row| data.of_row(row).any(|observation| weights[observation] > 0.0)).collect();
@@ -183,7 +183,7 @@ fn usable_rows(data: &Measurements, weights: &[f64]) -> Vec<usize> {
     (0..ROWS_FOR_START).map(|k| useful[k * (useful.len() - 1) / (ROWS_FOR_START - 1)]).collect()
 }
 
-/// Arms to start from: with the instrument turned in many ways, or the points in many places.
+/// Arms to start from: with many orientations of the instrument, or many positions of the points.
 fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Box<dyn Iterator<Item = Arm> + 'a> {
     let targets = data.scene.targets.len();
     if !data.scene.has_instruments() {
@@ -204,7 +204,7 @@ fn guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> Bo
     Box::new(from_tips.chain(std::iter::once_with(nearest).flatten()))
 }
 
-/// Sum of the squared distances between measured positions and where this arm has them, m².
+/// Sum of the squared distances between measured positions and this arm's predictions, m².
 fn squares_left(arm: &Arm, data: &Measurements, tips: &[Pose]) -> f64 {
     positions(data)
         .map(|(row, target, measured)| {
@@ -214,7 +214,7 @@ fn squares_left(arm: &Arm, data: &Measurements, tips: &[Pose]) -> f64 {
         .sum()
 }
 
-/// Measured positions: row, target, place in the instrument's frame, m.
+/// Measured positions: row, target, position in the instrument's frame, m.
 fn positions(data: &Measurements) -> impl Iterator<Item = (usize, usize, Vector3<f64>)> + '_ {
     (0..data.len()).flat_map(move |row| {
         data.of_row(row).filter_map(move |observation| {
@@ -224,7 +224,7 @@ fn positions(data: &Measurements) -> impl Iterator<Item = (usize, usize, Vector3
     })
 }
 
-/// The arm with the instrument where it fits best for these targets (tip frame, m), and targets and points to match.
+/// The arm with the best instrument pose for these targets (tip frame, m), and targets and points to match.
 fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3<f64>]) -> Arm {
     let mut arm = Arm::new(chain, &data.scene);
     let on_arm = |row: usize, target: usize| tips[row].rotation * offsets[target] + tips[row].translation.vector;
@@ -263,7 +263,7 @@ fn aligned(chain: &Chain, data: &Measurements, tips: &[Pose], offsets: &[Vector3
     arm
 }
 
-/// Puts planes where the rows that touch them have them, the targets being where this arm has them.
+/// Places planes by the rows that touch them, with this arm's targets.
 fn place_planes(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
     for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_plane(setup)) {
         let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
@@ -281,7 +281,7 @@ fn place_planes(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
     }
 }
 
-/// Where the tips of the rows have a tool, those that hold it first as its own frame: how the others hold it, and the frames of all rows.
+/// Places held tools: the first tip's frame is the tool's; finds the grip of the other tips, and the frames of all rows.
 fn with_tools_held(chain: &Chain, data: &Measurements, mut arm: Arm) -> Arm {
     let firsts = data.scene.tool_frames();
     if firsts.is_empty() {
@@ -316,32 +316,32 @@ fn with_tools_held(chain: &Chain, data: &Measurements, mut arm: Arm) -> Arm {
     arm
 }
 
-/// Between poses that are near to each other; at least one.
+/// Mean of poses that are near to each other; at least one.
 pub(crate) fn mean_pose(poses: &[Pose]) -> Pose {
     let place = poses.iter().map(|pose| pose.translation.vector).sum::<Vector3<f64>>() / poses.len() as f64;
     let turn = poses.iter().map(|pose| pose.rotation.into_inner()).sum::<Matrix3<f64>>();
     se3::pose(nearest_rotation(&turn), place)
 }
 
-/// How often sensors and the direction of gravity are turned in turn, each in closed form.
+/// How often sensors and the direction of gravity are updated alternately, each in closed form.
 const LEVELLINGS: usize = 10;
 
-/// A frame against whose z axis gravity pulls, where it pulls so (any length) in the base frame.
+/// A frame with its z axis opposite to this direction of gravity (any length, base frame).
 pub(crate) fn level(down: &Vector3<f64>) -> Pose {
     let up = -down.try_normalize(0.0).unwrap_or_else(|| -Vector3::z());
     let rotation = se3::least_rotation(&up, &Vector3::z());
     se3::pose(Rotation3::from_matrix_unchecked(*rotation.matrix()), Vector3::zeros())
 }
 
-/// Where gravity pulls, base frame, how sensors are turned on their tips, by target, and the squares that are left.
+/// Direction of gravity, base frame, orientations of sensors on their tips, by target, and the sum of squares.
 struct Levelled {
     left: f64,
     down: Vector3<f64>,
     sensors: Vec<Option<Rotation3<f64>>>,
 }
 
-/// Turns sensors of gravity, and the frames that it pulls against, as the rows have them: from gravity along each axis of the base,
-/// the first where several do.
+/// Orients gravity sensors and level frames by the rows: tries gravity along each axis of the base, and uses the first of equally
+/// good ones.
 fn place_levels(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
     for setup in (0..data.scene.setups.len()).filter(|&setup| data.scene.has_level(setup)) {
         let mut felt: Vec<(usize, usize, Vector3<f64>)> = Vec::new();
@@ -384,7 +384,7 @@ fn place_levels(data: &Measurements, tips: &[Pose], arm: &mut Arm) {
     }
 }
 
-/// For each point where it may stand, the targets being where this arm has them.
+/// Possible positions of each point, with this arm's targets.
 fn places_of_points(data: &Measurements, tips: &[Pose], arm: &Arm) -> Vec<Vec<Vector3<f64>>> {
     let of_point = |point: usize| {
         let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
@@ -403,7 +403,7 @@ fn places_of_points(data: &Measurements, tips: &[Pose], arm: &Arm) -> Vec<Vec<Ve
     (0..data.scene.points.len()).map(of_point).collect()
 }
 
-/// The motion that takes the first points of the pairs (m) to the second with the least squares; `None` without pairs.
+/// The least squares motion from the first points of the pairs (m) to the second; `None` without pairs.
 ///
 /// # Source
 /// Kabsch 1976; Umeyama 1991 for the sign.
@@ -429,7 +429,7 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(turned * v_t)
 }
 
-/// 24 turns of a cube and as many between them.
+/// 24 rotations of a cube and as many between them.
 fn turned_frames() -> Vec<Rotation3<f64>> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut frames = Vec::new();
@@ -443,7 +443,7 @@ fn turned_frames() -> Vec<Rotation3<f64>> {
     frames
 }
 
-/// Targets (tip frame) that fit best for an instrument of this rotation: R p + x = m is linear in targets and place.
+/// Targets (tip frame) that fit best for an instrument of this rotation: R p + x = m is linear in targets and position.
 fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) -> Vec<Vector3<f64>> {
     let targets = data.scene.targets.len();
     let unknowns = 3 * targets + 3;
@@ -469,7 +469,7 @@ fn offsets_for(data: &Measurements, tips: &[Pose], rotation: &Rotation3<f64>) ->
         .collect()
 }
 
-/// Points where their kinds put them, for targets at the tip and around it.
+/// Positions of points by their kinds, for targets at the tip and around it.
 fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose]) -> impl Iterator<Item = Arm> + 'a {
     let reach = 0.2 * chain.size();
     let mut offsets = vec![Vector3::zeros()];
@@ -483,7 +483,7 @@ fn point_guesses<'a>(chain: &'a Chain, data: &'a Measurements, tips: &'a [Pose])
         place_planes(data, tips, &mut arm);
         place_levels(data, tips, &mut arm);
         let places = places_of_points(data, tips, &arm);
-        // Planes alone have one place each.
+        // Planes alone have one position each.
         let most = places.iter().map(Vec::len).max().unwrap_or(1);
         (0..most).map(move |choice| {
             let at = |places: &Vec<Vector3<f64>>| places.get(choice).or(places.first()).copied().unwrap_or_default();

@@ -1,32 +1,32 @@
-//! How sure a fit is of its numbers, and what of that is the prior's.
+//! Uncertainty of a fit's numbers, and the prior's part in it.
 //!
-//! Intervals are Student's, for the noise is estimated from the same data.
+//! Intervals are Student's, since the noise is estimated from the same data.
 
 use crate::gauge;
 use crate::solve::{Fit, missing_degrees};
 use denavit_model::nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Residuals below this share of the robot's size (and rad) are as good as none: a micrometre on a metre.
+/// Residuals below this fraction of the robot's size (and rad) count as zero: a micrometre on a metre.
 const EXACT: f64 = 1e-6;
-/// A condition smaller than this share of the largest is rounding.
+/// A condition smaller than this fraction of the largest is rounding.
 const SAYS_NOTHING: f64 = 1e-9;
 
 impl<E> Fit<E> {
-    /// Measured values beyond the parameters that the data pay for, and those that were [assumed](Self::assumed_degrees).
+    /// Measured values minus parameters that the data determine, plus those that were [assumed](Self::assumed_degrees).
     pub fn degrees_of_freedom(&self) -> f64 {
         let left = self.values.iter().sum::<f64>() - self.parameters_used.iter().sum::<f64>();
         (left + self.assumed_degrees()).max(1.0)
     }
 
-    /// Degrees of freedom of the noise that the data do not have: an assumed noise stands in for them (see
+    /// Degrees of freedom of the noise that the data lack: an assumed noise replaces them (see
     /// [`crate::solve::ASSUMED_NOISE`]). 0 with enough data.
     pub fn assumed_degrees(&self) -> f64 {
         self.values.iter().zip(&self.parameters_used).map(|(count, used)| missing_degrees(*count, *used)).sum()
     }
 
-    /// Whether the numbers are a result: the last step was too small to matter, or so little is left of one kind of value
-    /// that its weight leaves no step for the others (data without noise).
+    /// Whether the numbers are a result: the last step was too small to matter, or the residuals of one kind of value are so small
+    /// that its weight blocks steps for the others (data without noise).
     pub fn converged_or_exact(&self) -> bool {
         let least = EXACT * self.arm.nominal.size();
         self.converged || self.noise.levels.iter().any(|level| *level <= least)
@@ -37,7 +37,7 @@ impl<E> Fit<E> {
         self.covariance[(parameter, parameter)].max(0.0).sqrt()
     }
 
-    /// Half the width of the interval that covers a parameter's true value with this probability, in its unit.
+    /// Half width of the interval that covers a parameter's true value with this probability, in its unit.
     ///
     /// `share` lies between 0 and 1. With 40 distances and 24 parameters the factor on the standard deviation is 2.12
     /// for 0.95, with a thousand values the familiar 1.96.
@@ -47,9 +47,9 @@ impl<E> Fit<E> {
         student.inverse_cdf(0.5 + 0.5 * share) * self.deviation(parameter)
     }
 
-    /// How much of a joint parameter's spread is the prior's: 1 where the data say nothing, 0 where they say it all.
+    /// Fraction of a joint parameter's uncertainty due to the prior: 1 without information in the data, 0 where they determine it.
     ///
-    /// Ratio of the standard deviation to that of the prior, the common frame held in both.
+    /// Ratio of the standard deviation to the prior's, with the common frame held in both.
     pub fn held_by_prior(&self, parameter: usize) -> f64 {
         let count = self.layout.joints.len();
         let spread = self.prior_spread();
@@ -67,7 +67,7 @@ impl<E> Fit<E> {
         if conditions.ncols() == 0 {
             return (0..count).map(|k| covariance[(k, k)]).collect();
         }
-        // Each condition brought to size 1. Along a SCARA's parallel axes one says nothing, and is left out.
+        // Each condition scaled to size 1. Along a SCARA's parallel axes one is empty, and is left out.
         let size = DVector::from_fn(conditions.ncols(), |k, _| {
             conditions.column(k).dot(&(&covariance * conditions.column(k))).sqrt()
         });

@@ -1,4 +1,4 @@
-//! Rows of a Jacobian gathered until there are enough to form their products in vectors of the machine.
+//! Rows of a Jacobian, collected until there are enough to form their products in SIMD vectors.
 
 use crate::parameters::{Layout, Parameter, ParameterKind};
 use denavit_linear::products::{TILE, add_gram};
@@ -35,7 +35,7 @@ impl Channel {
     }
 }
 
-/// Rows that are gathered: with forty columns 60 KB.
+/// Rows of a block: with forty columns 60 KB.
 const ROWS: usize = 192;
 
 /// A vector for each SIMD row.

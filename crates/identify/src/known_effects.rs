@@ -1,14 +1,14 @@
-//! What a calibration knows of effects and error curves, kept for the next one: the file of effects, standard deviations and
+//! A calibration's posterior of effects and error curves, kept for the next one: the file of effects, standard deviations and
 //! correlations of the coefficients.
 //!
-//! In a calibration's JSON it stands in `posterior`, beside what is known of the axes:
+//! In a calibration's JSON it is in `posterior`, with the posterior of the axes:
 //!
 //! ```json
 //! "effects": {"model": {"schema": "denavit.effects/1", …}, "fields": 2, "std": [2e-6, …],
 //!             "modes": [[[1e-5, …], …]], "correlations": [[0.1, …], …]}
 //! ```
-//! `model`: what a file of effects holds; its last `fields` effects are what joints give under gravity beside their curves. `modes`: for each
-//! curve the shapes by which it is unsure, as weights of its waves ([`CurveModes`]). `std`: of each coefficient in the order of the model,
+//! `model`: a file of effects; its last `fields` effects are the compliances of joints that go with the curves. `modes`: for each curve
+//! the shapes of its uncertainty, as weights of its waves ([`CurveModes`]). `std`: of each coefficient in the order of the model,
 //! then of each mode. Row k of `correlations`: those of number k with each of the axes' parameters, then with the numbers before it.
 
 use crate::effects::curve::Curve;
@@ -21,19 +21,19 @@ use denavit_model::Chain;
 use denavit_model::nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// What a fit knows of effects and curves.
+/// A fit's posterior of effects and curves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectsPosterior {
     /// As a file of effects.
     model: serde_json::Value,
-    /// How many of the last effects are what joints give under gravity.
+    /// How many of the last effects are compliances of joints.
     fields: usize,
     /// For each curve its modes, as weights of its waves.
     #[serde(default)]
     modes: Vec<Vec<Vec<f64>>>,
     /// Standard deviation of each coefficient, then of each mode.
     std: Vec<f64>,
-    /// For each of these its correlations with the axes' parameters and with those before it.
+    /// For each of these its correlations with the axes' parameters and with the numbers before it.
     correlations: Vec<Vec<f64>>,
 }
 
@@ -42,19 +42,19 @@ pub struct EffectsPosterior {
 pub struct KnownEffects {
     /// The effects and curves.
     pub model: SavedEffects,
-    /// How many of the last effects are what joints give under gravity.
+    /// How many of the last effects are compliances of joints.
     pub fields: usize,
     /// For each curve its modes, as weights of its waves.
     pub modes: Vec<Vec<Vec<f64>>>,
     /// Standard deviation of each coefficient, then of each mode.
     pub std: Vec<f64>,
-    /// For each of these its correlations with the axes' parameters and with those before it.
+    /// For each of these its correlations with the axes' parameters and with the numbers before it.
     pub correlations: Vec<Vec<f64>>,
 }
 
 impl EffectsPosterior {
-    /// Of a fit's effects, the last `fields` of which are what joints give under gravity; `None` where it has neither effects nor curves,
-    /// or several tips.
+    /// Of a fit's effects, the last `fields` of which are compliances of joints; `None` where it has neither effects nor curves, or
+    /// several tips.
     pub fn of(fit: &Fit<EffectModel>, fields: usize, modes: &CurveModes) -> Option<Self> {
         let model = &fit.effects;
         if (model.effects.is_empty() && model.curves.is_empty()) || model.statics.tips.several() {
@@ -84,10 +84,10 @@ impl EffectsPosterior {
         })
     }
 
-    /// For this chain, whose parameters are so many.
+    /// For this chain, with this number of parameters.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// What is wrong with the file.
     pub fn read(&self, file: &str, chain: &Chain, parameters: usize) -> Result<KnownEffects, String> {
         let model = SavedEffects::from_value(file, &self.model, &Statics::of_chain(chain));
         let model = model.map_err(|error| error.to_string())?;
@@ -100,7 +100,7 @@ impl EffectsPosterior {
             modes.iter().all(|mode| mode.len() == curve.waves.len() && mode.iter().all(|weight| weight.is_finite()))
         };
         if self.modes.len() > model.curves.len() || !model.curves.iter().zip(&modes).all(fits) {
-            return bad("modes must be those of the curves, a finite number for each wave".into());
+            return bad("modes must match the curves, with a finite number for each wave".into());
         }
         if self.std.len() != count || self.correlations.len() != count {
             return bad(format!("std and correlations need {count} entries each"));
@@ -113,11 +113,12 @@ impl EffectsPosterior {
         };
         if self.correlations.iter().enumerate().any(wrong) {
             return bad(
-                "each row of correlations needs one between -1 and 1 for each parameter and number before it".into()
+                "each row of correlations needs a number between -1 and 1 for each parameter and number before it"
+                    .into(),
             );
         }
         if self.fields > model.effects.len() {
-            return bad(format!("fields is {}, and there are {} effects", self.fields, model.effects.len()));
+            return bad(format!("fields is {}, but there are {} effects", self.fields, model.effects.len()));
         }
         let (std, correlations) = (self.std.clone(), self.correlations.clone());
         Ok(KnownEffects { model, fields: self.fields, modes, std, correlations })
@@ -125,7 +126,7 @@ impl EffectsPosterior {
 }
 
 impl KnownEffects {
-    /// Covariance of these coefficients and modes, and theirs with the axes' parameters, whose standard deviations are given.
+    /// Covariance of these coefficients and modes, and with the axes' parameters, whose standard deviations are given.
     pub fn covariance(&self, coefficients: &[usize], parameters: &[f64]) -> (DMatrix<f64>, DMatrix<f64>) {
         let (count, joints) = (coefficients.len(), parameters.len());
         let own = |i: usize, k: usize| {

@@ -1,6 +1,6 @@
-//! What rows that repeat a posture say: how well the instrument and the arm repeat, and whether the model misses more.
+//! Rows that repeat a posture: the repeatability of instrument and arm, and whether the model has a lack of fit.
 //!
-//! Residuals at one posture differ by the pure error alone; what they have in common is what the model misses. Their
+//! Residuals at one posture differ by the pure error alone; their common part is the lack of fit. The
 //! variances are compared by Fisher's F (Draper and Smith, Applied Regression Analysis, 3rd edition, section 2.1).
 
 use crate::residual_statistics::Residual;
@@ -9,10 +9,10 @@ use denavit_model::nalgebra::Vector3;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Fewer degrees of freedom say nothing of the pure error.
+/// Fewest degrees of freedom to estimate the pure error.
 const LEAST_DEGREES: usize = 3;
 
-/// Repeats of one sort of value: of positions, distances or orientations.
+/// Repeats of one kind of value: of positions, distances or orientations.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LackOfFit {
     /// `position`, `distance`, `orientation` …
@@ -23,25 +23,25 @@ pub struct LackOfFit {
     pub postures: usize,
     /// Observations at them.
     pub observations: usize,
-    /// Standard deviation of one component between repeats: the pure error, which no model removes.
+    /// Standard deviation of one component between repeats: the pure error, which no model can remove.
     pub pure_error: f64,
     /// Degrees of freedom of the pure error.
     pub pure_degrees: usize,
-    /// Standard deviation of one component that the model misses beside it, 0 where it misses nothing.
+    /// Standard deviation of the lack of fit of one component, 0 where there is none.
     pub missed: f64,
-    /// Degrees of freedom of what the model misses.
+    /// Degrees of freedom of the lack of fit.
     pub missed_degrees: usize,
-    /// Variance of what the model misses over that of the pure error; where the repeats are equal to the last digit, absent.
+    /// Variance of the lack of fit over that of the pure error; absent where the repeats are equal to the last digit.
     pub f: Option<f64>,
-    /// Probability of such an F, or a larger one, when the model misses nothing.
+    /// Probability of this F or a larger one without lack of fit.
     pub p_value: f64,
 }
 
-/// The repeats among fitted rows, a value for each sort that was measured.
+/// The repeats among fitted rows, one entry for each kind of value.
 ///
 /// # Shape and units
-/// `residuals`: m and rad, of the rows that were kept, asked for only where a posture repeats; `parameters`: how many numbers the fit identified, which are shared
-/// out among the sorts by their number of values.
+/// `residuals`: m and rad, of the rows that were kept, computed only where a posture repeats; `parameters`: number of identified
+/// parameters, divided among the kinds by their number of values.
 pub fn lack_of_fit(
     data: &Measurements,
     residuals: impl FnOnce() -> Vec<Residual>,
@@ -124,7 +124,7 @@ impl Sums {
             pure_error: pure.sqrt(),
             pure_degrees: self.pure_degrees,
             missed: (missed - pure).max(0.0).sqrt(),
-            // The parameters' share need not be whole.
+            // The number of parameters per kind need not be an integer.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             missed_degrees: degrees.round() as usize,
             f,

@@ -1,15 +1,15 @@
-//! From data to an arm: what it predicts of an observation, what moves it beyond its geometry, and the fit.
+//! From data to an arm: predictions of observations, effects beyond geometry, and the fit.
 //!
 //! ```text
-//! arm, parameters, observe   the arm, and what it predicts of one observation
-//! prior, gauge, frames       how far it may be from its drawing, and what no data can tell
+//! arm, parameters, observe   the arm, and its prediction of one observation
+//! prior, gauge, frames       its expected errors, and the unobservable frames
 //! effects                    what moves a joint or a link beyond its geometry
 //! residual, solve            residuals, closed-form Jacobian, normal equations ─► fit
-//! identifiability, noise     what the data tell, and how exact they are
-//! averaging                  everything that may act at once, each kind as large as the data say
+//! identifiability, noise     what the data determine, and how accurate they are
+//! averaging                  everything that may act at once, each kind with the size that the data support
 //! simulate                   measurements of a robot that is known
 //! ```
-//! For denavit's own crates: what is in it changes without notice; the names that stay are those at the root of `denavit-calibrate`.
+//! For denavit's own crates: its contents change without notice; the stable names are those at the root of `denavit-calibrate`.
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 

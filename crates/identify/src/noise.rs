@@ -1,18 +1,18 @@
-//! Where the noise of a fit comes from: the instrument (alike in all directions, along its line of sight, across it, of orientations) and
-//! how well each joint comes back to its reading.
+//! Sources of a fit's noise: the instrument (isotropic, along its line of sight, across it, in orientation) and the repeatability of
+//! each joint.
 //!
 //! The residuals of a row have the covariance
 //!
 //! ```text
 //! V = σ² I + ω² I (of orientations) + range² u uᵀ + angle² d² (I - u uᵀ) + Σ_j ρ_j² J_j J_jᵀ
 //! ```
-//! with u and d direction and distance of the target as seen from the origin of the instrument's frame and J_j the motion of the values per
-//! unit of coordinate j. The variances are estimated together by restricted maximum likelihood ([`reml`]). A source is *claimed* where
-//! the likelihood without it, all others free, is too much smaller: the ratio is then half a χ² of one degree of freedom, for a variance is
-//! not below 0 (Self and Liang, Journal of the American Statistical Association 82 (1987), 605), and is asked for as many sources as were tried
-//! (Bonferroni). Positions may hang together with orientations (`lever`). Intervals are those of the profile likelihood; of what is not claimed the upper bound is given. Rows with heavy tails
-//! make a normal likelihood too sure: ratios are divided by the variance of the rows' own scores over that of normal ones, where it is
-//! larger.
+//! with u and d the direction and distance of the target from the origin of the instrument's frame and J_j the change of the values per
+//! unit of coordinate j. The variances are estimated together by restricted maximum likelihood ([`reml`]). A source is *claimed* if the
+//! likelihood without it, all others free, is significantly smaller. Without the source the ratio is half a χ² with one degree of freedom,
+//! because a variance is not negative (Self and Liang, Journal of the American Statistical Association 82 (1987), 605); the level is divided
+//! by the number of sources tried (Bonferroni). Noise of positions may be correlated with that of orientations (`lever`). Intervals come from
+//! the profile likelihood; a source that is not claimed has only an upper bound. With heavy tails a normal likelihood is overconfident:
+//! ratios are divided by the variance of the rows' scores relative to that of normal rows, if that is above 1.
 
 mod lever;
 pub mod reml;
@@ -33,38 +33,38 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use std::borrow::Cow;
 
-/// Of clean files so many may show a source that is not there. The ratio is half a χ² in the limit of many rows; of files of a hundred
-/// rows, some three times as many show one, and one in a hundred is what may.
+/// Fraction of files in which a source may be claimed falsely, in the limit of many rows. With a hundred rows the rate is about three
+/// times as high: the allowed one in a hundred.
 const FALSE_CLAIMS: f64 = 0.003;
-/// What the deviance rises by at the ends of an interval that covers 95 %: of χ² with one degree of freedom.
+/// Rise of the deviance at the ends of a 95 % interval: χ² with one degree of freedom.
 const AT_THE_ENDS: f64 = 3.841_458_820_694_124;
-/// The same at a bound that covers 95 % by itself.
+/// The same at a one-sided 95 % bound.
 const AT_THE_BOUND: f64 = 2.705_543_454_095_404;
-/// Values beyond the free numbers that it takes, for each source, to tell them apart.
+/// Values needed per source, beyond those that the free numbers use up, to distinguish the sources.
 const VALUES_PER_SOURCE: f64 = 3.0;
-/// An interval's end is found to this share of it.
+/// Relative tolerance of an interval's end.
 const END: f64 = 1e-2;
-/// So near an end, in roots of the deviance, what a Newton step leaves is less than [`END`].
+/// Within this distance of an end, in roots of the deviance, one more Newton step is accurate to [`END`].
 const NEARLY: f64 = 0.3;
-/// Where likelihoods are compared they may be wrong by as much of the deviance.
+/// Tolerance of the deviance where likelihoods are compared.
 const GOOD: f64 = 1e-2;
-/// A source whose size, squared, is less than this many times its variance goes for nothing: one in a hundred that are not there has more.
+/// A source is negligible if the square of its size is less than this many times its variance: one absent source in a hundred exceeds it.
 const FOR_NOTHING: f64 = 6.0;
-/// Turns of variances and lever.
+/// Alternations between variances and lever, at most.
 const MOST_TURNS: usize = 20;
-/// Evaluations for an end.
+/// Evaluations for an interval's end, at most.
 const MOST_TRIALS: usize = 40;
-/// Noise below this share of the robot's size (and rad) is rounding, and has no sources.
+/// Noise below this fraction of the robot's size (or of 1 rad) is rounding, and has no sources.
 const EXACT: f64 = 1e-9;
 /// A source that could be this many times the whole noise is not identifiable.
 const NOT_TOLD: f64 = 1e4;
-/// Chance of neighbours in the run that hang together so much, where none do.
+/// Significance level of the test for correlation between neighbours in the run.
 const FALSE_ORDER: f64 = 0.01;
 
 /// Where a source acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// In every value of a channel alike.
+    /// Equally in every value of a channel.
     Level(usize),
     /// Along the instrument's line of sight.
     Range,
@@ -74,7 +74,7 @@ pub enum Place {
     Joint(usize),
 }
 
-/// A source of noise, and the size at which it alone would make all of it.
+/// A source of noise, and the size at which it alone would explain all noise.
 #[derive(Debug, Clone, PartialEq)]
 struct Source {
     place: Place,
@@ -84,68 +84,68 @@ struct Source {
     unit_size: f64,
 }
 
-/// What the noise of a fit is made of.
+/// The sources of a fit's noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseModel {
-    /// Rows that it was estimated from.
+    /// Rows used for the estimate.
     pub rows: usize,
-    /// Rows that were fitted; where they are more, every so many were left out for the sake of time.
+    /// Rows that were fitted; if more than `rows`, some were left out at regular intervals to save time.
     pub of_rows: usize,
     /// The sources that were tried.
     pub components: Vec<Component>,
-    /// How the noise of positions hangs together with that of orientations; left out where it does not.
+    /// How the noise of positions is correlated with that of orientations; absent if it is not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lever: Option<Lever>,
-    /// Whether neighbours in the run hang together; left out where there are too few.
+    /// Whether neighbours in the run are correlated; absent if there are too few.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_order: Option<RunOrder>,
-    /// Fourth moment of the whitened residuals over the square of the second: 3 for a normal distribution, more with heavy tails.
+    /// Fourth moment of the whitened residuals divided by the square of the second: 3 for a normal distribution, more with heavy tails.
     pub kurtosis: f64,
 }
 
 /// A source of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Component {
-    /// What it is, such as `position`, `range`, `angle` or `repeatability`.
+    /// Kind, such as `position`, `range`, `angle` or `repeatability`.
     pub name: Cow<'static, str>,
-    /// The joint that it is of, for `repeatability`; left out where it is all joints' together.
+    /// The joint, for `repeatability`; absent if one value holds for all joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// `m` or `rad`.
     pub unit: &'static str,
     /// Standard deviation, in the unit.
     pub value: f64,
-    /// Lower end of the interval that covers the true value with 95 %; 0 for what is not claimed.
+    /// Lower end of the 95 % interval; 0 if not claimed.
     pub low: f64,
-    /// Upper end; for what is not claimed the bound that the true value is below with 95 %. Absent where the data do not tell any.
+    /// Upper end; if not claimed, the upper 95 % bound. Absent if the data do not determine it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
-    /// Whether the data bear it out.
+    /// Whether the data support it.
     pub claimed: bool,
-    /// Probability of such data without it, before it is asked how many sources were tried; absent where it was not asked.
+    /// Probability of such data without it, not corrected for the number of sources tried; absent if not tested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_value: Option<f64>,
 }
 
-/// Correlation of the residuals of rows that were measured one after the other.
+/// Correlation between the residuals of consecutive rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RunOrder {
-    /// Autocorrelation of lag 1, -1 to 1, of the residuals in units of their covariance.
+    /// Autocorrelation of lag 1, -1 to 1, of the whitened residuals.
     pub lag_1: f64,
-    /// Lower end of the interval that covers it with 95 %.
+    /// Lower end of its 95 % interval.
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// Probability of as much where rows are independent.
+    /// Probability of a correlation at least this large if rows are independent.
     pub p_value: f64,
-    /// Whether that is too little for chance.
+    /// Whether it is significant.
     pub claimed: bool,
 }
 
-/// What the noise of a fit is made of; `None` where there is none beyond rounding, or too few values to tell.
+/// The sources of a fit's noise; `None` if there is no noise beyond rounding, or too few values.
 ///
 /// # Shape and units
-/// `curves`: the error curves that the fit holds beside its free numbers.
+/// `curves`: the error curves in the fit besides its free numbers.
 pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_>]) -> Option<NoiseModel> {
     let size = fit.arm.nominal.size();
     let exact = |(part, level): (&denavit_measurements::kinds::Part, &f64)| {
@@ -162,9 +162,9 @@ pub fn noise_model<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[Held
     Some(NoiseModel { rows: prepared.rows, of_rows: prepared.of, ..judged })
 }
 
-/// The noise where that of orientations moves positions, too; `None` where chance may have made what there is of it.
+/// The noise if that of orientations also moves positions; `None` if this is not significant.
 ///
-/// The variances without a lever hold what it makes: variances and lever are found in turn.
+/// Variances estimated without a lever include its part, so variances and lever are estimated alternately.
 fn turning(prepared: &Prepared, arms: &Arms, variances: &[f64]) -> Option<NoiseModel> {
     let p_value = arms.p_value(&prepared.reml, variances);
     if p_value >= FALSE_CLAIMS {
@@ -190,15 +190,15 @@ fn is_level(source: &Source) -> bool {
     matches!(source.place, Place::Level(_))
 }
 
-/// What is asked of so many sources.
+/// Answers for each of `count` sources.
 fn for_each<R: Send>(count: usize, asked: impl Fn(usize) -> R + Sync) -> Vec<R> {
     each_alone(&(0..count).collect::<Vec<usize>>(), |&source| asked(source))
 }
 
-/// The sources' variances, intervals and claims; and the variances of the model without what goes for nothing.
+/// The sources' variances, intervals and claims; and the variances of the model without negligible sources.
 ///
-/// A claim is asked of all sources together. Sizes and intervals are those of the model without what goes for nothing, which has room for
-/// less than it: a variance is not below 0, so one that is not there would always take something from those that are.
+/// Claims are tested in the model with all sources. Sizes and intervals come from the model without negligible ones: a variance is not
+/// negative, so an absent source would always take something from those that act.
 fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let count = sources.len();
     let levels = sources.iter().filter(|source| is_level(source)).count();
@@ -239,7 +239,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     let beside = Beside { open: &open, together: all_alike.as_ref() };
     let component = |k: usize| model.component(k, &sources[k], &beside, claimed[k], p_values[k]);
     let mut components: Vec<Component> = for_each(sources.len(), component);
-    // What is not claimed does not stand in for a level either.
+    // A level is tested again without the sources that are not claimed.
     let open: Vec<usize> = (0..count).filter(|&k| is_level(&sources[k]) && !components[k].claimed).collect();
     if !open.is_empty()
         && let Some(sure) = model.only(&claimed)
@@ -257,7 +257,7 @@ fn judge(reml: &Reml, sources: &[Source]) -> Option<(NoiseModel, Vec<f64>)> {
     Some((noise, variances))
 }
 
-/// One repeatability for all joints that turn, in the stead of one for each; `None` where there is one joint alone.
+/// One repeatability for all joints that turn, instead of one for each; `None` if there is only one such joint.
 fn together(sources: &[Source], joints: &[usize]) -> Option<(Source, Tied)> {
     let turning: Vec<usize> = joints.iter().copied().filter(|&k| sources[k].unit == "rad").collect();
     if turning.len() < 2 {
@@ -273,15 +273,15 @@ fn together(sources: &[Source], joints: &[usize]) -> Option<(Source, Tied)> {
     Some((source, Tied { of: (0..count).map(of).collect(), count: count + 1 }))
 }
 
-/// What a source that the model does without is added to.
+/// The model to which a source that it lacks is added.
 struct Beside<'a> {
-    /// The slope at the model's variances by all sources.
+    /// The slope at the model's variances with respect to all sources.
     open: &'a Slope,
-    /// How the sources are tied where all joints have one number.
+    /// How the sources are tied if all joints share one number.
     together: Option<&'a Tied>,
 }
 
-/// The likeliest variances, and how the likelihood falls away from them.
+/// The likeliest variances, and the shape of the likelihood around them.
 struct Study<'a> {
     reml: &'a Reml,
     tied: Tied,
@@ -289,15 +289,14 @@ struct Study<'a> {
 }
 
 impl<'a> Study<'a> {
-    /// The model without what goes for nothing: the least of the sources that are not claimed is left out as long as hardly anything
-    /// is lost by it.
+    /// The model without negligible sources: the weakest source that is not claimed is removed as long as the likelihood hardly falls.
     fn kept(&self, claimed: &[bool]) -> Study<'a> {
         let mut model = Study { reml: self.reml, tied: self.tied.clone(), best: self.best.clone() };
         loop {
             let idle: Vec<usize> = (0..model.tied.count)
                 .filter(|&k| !claimed.get(k).copied().unwrap_or(false) && model.has(k) && model.best.numbers[k] <= 0.0)
                 .collect();
-            // What is 0 changes nothing when it is left out.
+            // Removing a source of size 0 changes nothing.
             for k in idle {
                 model.tied = model.tied.at_zero(k);
             }
@@ -310,7 +309,7 @@ impl<'a> Study<'a> {
             let tied = model.tied.at_zero(k);
             let start = model.profile(k).beside(&model.best.numbers, 0.0);
             let Some(best) = self.reml.likeliest(&tied, &start, &[], GOOD) else { return model };
-            // What is known of it by the curvature alone need not hold.
+            // The estimate from the curvature alone may be wrong.
             if best.slope.deviance - model.best.slope.deviance >= FOR_NOTHING * model.tails(k) {
                 return model;
             }
@@ -318,7 +317,7 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// The model with what is claimed alone.
+    /// The model with claimed sources only.
     fn only(&self, claimed: &[bool]) -> Option<Study<'a>> {
         let open = (0..self.tied.count).filter(|&k| !claimed.get(k).copied().unwrap_or(false));
         let tied = open.fold(self.tied.clone(), |tied, k| tied.at_zero(k));
@@ -326,7 +325,7 @@ impl<'a> Study<'a> {
         Some(Study { reml: self.reml, tied, best })
     }
 
-    /// The same, as exactly as can be had.
+    /// The same, fully converged.
     fn refined(self) -> Option<Study<'a>> {
         let best = self.reml.likeliest(&self.tied, &self.best.numbers, &[], 0.0)?;
         Some(Study { best, ..self })
@@ -337,7 +336,7 @@ impl<'a> Study<'a> {
         self.tied.of.iter().flatten().any(|(own, _)| *own == number)
     }
 
-    /// The square of a number over its variance, by the curvature.
+    /// The square of a number divided by its variance from the curvature.
     fn pull_of(&self, number: usize) -> f64 {
         let (inside, inverse) = self.spread_of(number);
         let at = inside.iter().position(|k| *k == number);
@@ -345,18 +344,18 @@ impl<'a> Study<'a> {
         self.best.numbers[number].powi(2) / variance
     }
 
-    /// The numbers that are not at their bound, this one among them, and the inverse of their information.
+    /// The numbers that are not at their bound, including this one, and the inverse of their information.
     fn spread_of(&self, number: usize) -> (Vec<usize>, DMatrix<f64>) {
         let (_, information) = of_numbers(&self.tied, &self.best.slope);
         let inside: Vec<usize> =
             (0..self.tied.count).filter(|&k| (k == number || self.best.numbers[k] > 0.0) && self.has(k)).collect();
         let own = information.select_rows(&inside).select_columns(&inside);
-        // A direction that has no information is not known at all.
+        // A direction without information is undetermined.
         let inverse = own.clone().try_inverse().unwrap_or_else(|| symmetric::inverse(&own, 0.0));
         (inside, inverse)
     }
 
-    /// Value and interval of one source; of what is not in the model, as if it were added.
+    /// Value and interval of one source; a source outside the model is added first.
     fn component(
         &self,
         number: usize,
@@ -382,7 +381,7 @@ impl<'a> Study<'a> {
             _ => (Cow::Owned(source.name.clone()), None),
         };
         let value = if study.has(number) { size(study.best.numbers[number]) } else { 0.0 };
-        // A level that the others explain is not there.
+        // A level that the other sources explain is not claimed.
         let claimed = claimed && (p_value.is_some() || low > 0.0);
         Component { name, joint, unit: source.unit, value, low: size(low), high: high.map(size), claimed, p_value }
     }
@@ -402,7 +401,7 @@ impl<'a> Study<'a> {
             tied.count = all.count;
             start.resize(tied.count, 0.0);
         }
-        // A joint that followed the number of all of them begins elsewhere.
+        // A joint that used the number shared by all joints starts elsewhere.
         let same = tied.variances(&start) == self.tied.variances(&self.best.numbers);
         let best = if same {
             self.reml.likeliest_from(&tied, (&start, beside.open.clone()), &[], GOOD)?
@@ -412,7 +411,7 @@ impl<'a> Study<'a> {
         Some(Study { reml: self.reml, tied, best })
     }
 
-    /// Probability of as much less likelihood without a source that is not there.
+    /// Probability of a likelihood ratio at least this large if the source is absent.
     fn p_value_without(&self, number: usize) -> f64 {
         if self.best.numbers[number] <= 0.0 {
             return 1.0;
@@ -423,7 +422,7 @@ impl<'a> Study<'a> {
         half_chi_squared(ratio.max(0.0) / self.tails(number))
     }
 
-    /// How much more the rows' scores vary than those of normal rows do, for this number with all others free; 1 at least.
+    /// Variance of the rows' scores relative to that of normal rows, for this number with all others free; at least 1.
     fn tails(&self, number: usize) -> f64 {
         let slope = &self.best.slope;
         let (inside, inverse) = self.spread_of(number);
@@ -442,10 +441,10 @@ impl<'a> Study<'a> {
         if normal > 0.0 && spread.is_finite() { (spread / normal).max(1.0) } else { 1.0 }
     }
 
-    /// Where the profile of the deviance has risen by so much, above or below the likeliest; `None` where it never does.
+    /// Where the profile of the deviance has risen by `rise`, above or below the likeliest value; `None` if it never does.
     ///
-    /// Newton steps: the slope of a profile is that of the deviance at its point, all others at their best, and roots of rises are nearly
-    /// straight in the standard deviation. A step out of what is known to hold the end gives way to the straight line between its ends.
+    /// Newton steps: the slope of the profile is that of the deviance with all other numbers at their optimum, and the root of the rise is
+    /// nearly linear in the standard deviation. A step out of the bracket is replaced by linear interpolation between its ends.
     fn end(&self, number: usize, rise: f64, above: bool) -> Option<f64> {
         let best = self.best.numbers[number].max(0.0);
         let profile = self.profile(number);
@@ -481,7 +480,7 @@ impl<'a> Study<'a> {
                 Some(outer) if newton.is_finite() && within(outer) => newton,
                 Some((outer, over)) if over.is_finite() => inner.0 - inner.1 / (over - inner.1) * (outer - inner.0),
                 Some((outer, _)) => 0.5 * (inner.0 + outer),
-                // No further than twice as far at once.
+                // At most twice as far in one step.
                 None if above && newton > at => newton.min(2.0 * at),
                 None if above => 1.5 * at,
                 None if newton < at => newton.max(0.0),
@@ -492,7 +491,7 @@ impl<'a> Study<'a> {
         Some((0.5 * (inner.0 + outer.map_or(inner.0, |(outer, _)| outer))).powi(2))
     }
 
-    /// How the deviance and the other numbers go when one is moved, by slope and curvature at the likeliest.
+    /// How the deviance and the other numbers change with one number, by slope and curvature at the likeliest.
     fn profile(&self, number: usize) -> Profile {
         let (inside, inverse) = self.spread_of(number);
         let at = inside.iter().position(|k| *k == number).filter(|&at| inverse[(at, at)] > 0.0);
@@ -512,18 +511,18 @@ struct Profile {
     number: usize,
     slope: f64,
     curvature: f64,
-    /// By how much each other number goes with it.
+    /// Change of each other number per unit of this one.
     ways: Vec<(usize, f64)>,
 }
 
 impl Profile {
-    /// How far the number goes until the deviance has risen by so much.
+    /// Change of the number at which the deviance has risen by `rise`.
     fn reach(&self, rise: f64) -> f64 {
         // ½ h x² + g x = rise, without cancellation.
         2.0 * rise / (self.slope + (self.slope * self.slope + 2.0 * self.curvature * rise).sqrt())
     }
 
-    /// These numbers with this one at another value, and the others where they then are likeliest.
+    /// These numbers with this one at another value, and the others at their likeliest values then.
     fn beside(&self, near: &[f64], value: f64) -> Vec<f64> {
         let mut numbers = near.to_vec();
         let by = value - near[self.number];
@@ -535,7 +534,7 @@ impl Profile {
     }
 }
 
-/// Probability of as large a ratio where half of all are 0 and the others χ² of one degree of freedom.
+/// Probability of a ratio at least this large if half of all ratios are 0 and the others χ² with one degree of freedom.
 fn half_chi_squared(ratio: f64) -> f64 {
     if ratio <= 0.0 {
         return 1.0;
@@ -544,7 +543,7 @@ fn half_chi_squared(ratio: f64) -> f64 {
     0.5 * chi.sf(ratio)
 }
 
-/// How residuals of neighbours in the run hang together.
+/// Correlation between the residuals of neighbours in the run.
 fn run_order(slope: &Slope) -> Option<RunOrder> {
     let (sum, count) = slope.lag;
     if count < 30.0 {

@@ -1,4 +1,4 @@
-//! Normal equations, accumulated over blocks of rows in threads; sums do not depend on how many threads there are.
+//! Normal equations, accumulated over blocks of rows in threads; sums do not depend on the number of threads.
 
 use crate::arm::Arm;
 use crate::jacobian_block::{Channel, JacobianBlock};
@@ -18,11 +18,11 @@ pub struct Sums {
     pub squares: Vec<[f64; 2]>,
 }
 
-/// No more blocks than this: what they hold is added in order.
+/// Most blocks: they are added in order.
 const BLOCKS: usize = 64;
-/// No block is smaller than this many rows, unless there are fewer.
+/// Fewest rows of a block, unless there are fewer.
 const LEAST_ROWS: usize = 32;
-/// Fewer measured values are done before a thread has started.
+/// Fewest measured values for which a thread pays off.
 const VALUES_FOR_THREADS: usize = 768;
 
 impl<E: Effects> ResidualModel<'_, E> {

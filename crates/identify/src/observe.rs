@@ -1,8 +1,8 @@
-//! What an arm predicts of an observation: a kind's model is one file, and nowhere else is asked which kind it is.
+//! Predictions of observations: each kind's model is one file, and no other code depends on the kind.
 //!
-//! A kind compares a measured value with what the model predicts for a target on the tip. How a change of the arm enters is
-//! the same for all: it moves and turns the target, and the kind says how its residual follows ([`Follows`]). What a kind
-//! knows beside the target (an instrument's frame, an anchor, a socket) it takes from the [`Scene`](denavit_measurements::Scene).
+//! A kind compares a measured value with the model's prediction for a target on the tip. A change of the arm has the same
+//! form for all kinds: it moves and turns the target, and the kind gives the derivative of its residual ([`Follows`]). Other
+//! data of a kind (an instrument's frame, an anchor, a socket) come from the [`Scene`](denavit_measurements::Scene).
 
 mod dial;
 mod distance;
@@ -21,7 +21,7 @@ use denavit_measurements::kinds::ObservationKind;
 use denavit_model::Pose;
 use denavit_model::nalgebra::{Matrix3, Vector3};
 
-/// What an arm predicts of a kind of observation.
+/// The model of a kind of observation.
 pub fn model_of(kind: ObservationKind) -> &'static dyn Observe {
     match kind {
         ObservationKind::Pose => &pose::Pose,
@@ -37,27 +37,27 @@ pub fn model_of(kind: ObservationKind) -> &'static dyn Observe {
     }
 }
 
-/// One observation, and the arm as it stands there.
+/// One observation, and the arm's state there.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen<'a> {
     /// The arm, the frames and the points.
     pub arm: &'a Arm,
     /// base_from_tip.
     pub tip: &'a Pose,
-    /// What effects do in this row.
+    /// The perturbation by effects in this row.
     pub perturbation: &'a Perturbation,
     /// What is observed.
     pub series: &'a Series,
     /// The numbers that were measured.
     pub values: &'a [f64],
-    /// Where the target is predicted, base frame, m.
+    /// The predicted position of the target, base frame, m.
     pub predicted: Vector3<f64>,
-    /// Whether the values are weighed in the instrument's own axes.
+    /// Whether the values are weighted in the instrument's own axes.
     pub weighed: bool,
 }
 
 impl<'a> Seen<'a> {
-    /// The observation of `series` with these values where the tip stands so.
+    /// The observation of `series` with these values at this tip pose.
     pub fn new(
         arm: &'a Arm,
         tip: &'a Pose,
@@ -76,22 +76,22 @@ impl<'a> Seen<'a> {
         &self.arm.instruments[self.series.setup]
     }
 
-    /// The point that the kind asks for, base frame, m.
+    /// The kind's point, base frame, m.
     pub fn point(&self) -> Vector3<f64> {
         self.series.point.map_or_else(Vector3::zeros, |point| self.arm.points[point])
     }
 }
 
-/// Measured less predicted.
+/// Measured minus predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
-    /// Of lengths, m; what is one number is in x.
+    /// Of lengths, m; a single number is in x.
     pub place: Vector3<f64>,
     /// Of the orientation, a rotation vector in the base frame, rad.
     pub turn: Vector3<f64>,
 }
 
-/// How a residual follows a velocity v of the target, base frame.
+/// Derivative of a residual by a velocity v of the target, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Follows {
     /// Three values: -v.
@@ -146,15 +146,15 @@ impl Disturbance<'_> {
     }
 }
 
-/// What an arm predicts of one kind of observation.
+/// The model of one kind of observation.
 pub trait Observe: Sync {
-    /// Measured less predicted.
+    /// Measured minus predicted.
     fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy;
 
-    /// How the lengths follow a motion of the target.
+    /// The derivative of the lengths by a motion of the target.
     fn follows(&self, seen: &Seen<'_>) -> Follows;
 
-    /// The lengths per unit of an effect, what it does to the tip and the target left out.
+    /// The lengths per unit of an effect, apart from its motion of tip and target.
     fn by_effect(&self, _seen: &Seen<'_>, _effect: &Sensitivity) -> Vector3<f64> {
         Vector3::zeros()
     }
@@ -163,23 +163,23 @@ pub trait Observe: Sync {
     /// SO(3) at the residual of the orientation.
     fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, left: &Matrix3<f64>, rows: &mut Rows<'_>);
 
-    /// Places where the point may stand, the likeliest first, given predicted places of the target (m, base frame) and what
-    /// was measured there.
+    /// Possible positions of the point, the likeliest first, given predicted positions of the target (m, base frame) and the
+    /// measured values.
     fn points(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Vec<Vector3<f64>> {
         Vec::new()
     }
 
-    /// The frame of the plane, given predicted places of the target (m, base frame) and what was measured there.
+    /// The frame of the plane, given predicted positions of the target (m, base frame) and the measured values.
     fn plane(&self, _predicted: &[Vector3<f64>], _values: &[&[f64]]) -> Option<Pose> {
         None
     }
 
-    /// Whether it can be seen there at all.
+    /// Whether the target is visible there.
     fn in_view(&self, _seen: &Seen<'_>) -> bool {
         true
     }
 
-    /// What an instrument without errors reads, appended to `values`.
+    /// Appends the reading of a perfect instrument to `values`.
     fn predict(&self, seen: &Seen<'_>, values: &mut Vec<f64>);
 
     /// Adds errors to such a reading.

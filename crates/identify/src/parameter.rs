@@ -1,4 +1,4 @@
-//! One free number of a fit, which of them are free, and how far each is expected to be from the drawing.
+//! A fit's parameters: which are free, and how far each is expected to be from the drawing.
 
 /// Whether a parameter of this name is the zero of a joint.
 pub fn is_zero(parameter: &str) -> bool {
@@ -18,7 +18,7 @@ pub enum ParameterKind {
         /// 0 or 1.
         direction: usize,
     },
-    /// The place of a joint's axis, along [`AxisBasis::a`](crate::arm::AxisBasis) (0) or [`AxisBasis::b`](crate::arm::AxisBasis) (1), m.
+    /// The position of a joint's axis, along [`AxisBasis::a`](crate::arm::AxisBasis) (0) or [`AxisBasis::b`](crate::arm::AxisBasis) (1), m.
     Move {
         /// Index of the joint.
         joint: usize,
@@ -35,7 +35,7 @@ pub enum ParameterKind {
         /// Index of the joint.
         joint: usize,
     },
-    /// What is added to the reading of a joint's coordinate, rad or m: all joints that it moves count from there.
+    /// Offset added to the reading of a joint's coordinate, rad or m, for all joints that it moves.
     Zero {
         /// Index of the first joint that the coordinate moves.
         joint: usize,
@@ -52,22 +52,22 @@ pub enum ParameterKind {
         /// 0 to 5.
         component: usize,
     },
-    /// The frame of a setup of which only the plane z = 0 is seen, in its own axes: rotations about x and y (rad), translation
-    /// along z (m); of one of which only the direction z is seen, the rotations alone.
+    /// The frame of a setup of which only the plane z = 0 is observable, in its own axes: rotations about x and y (rad), translation
+    /// along z (m); where only the direction z is observable, the rotations alone.
     Plane {
         /// Index of the setup.
         setup: usize,
         /// 0 to 2.
         component: usize,
     },
-    /// A point's place, base frame, m.
+    /// A point's position, base frame, m.
     Point {
         /// Index of the point.
         point: usize,
         /// 0 to 2.
         component: usize,
     },
-    /// A target's place, tip frame, m.
+    /// A target's position, tip frame, m.
     Target {
         /// Index of the target.
         target: usize,
@@ -106,16 +106,16 @@ pub struct Parameter {
     pub kind: ParameterKind,
     /// Its unit: `rad`, `m`, `m/rad`, `1`.
     pub unit: &'static str,
-    /// How far from nominal it is expected to be, in the parameter's unit; `None` where nothing is expected.
+    /// Prior standard deviation from nominal, in the parameter's unit; `None` without a prior.
     pub tolerance: Option<f64>,
 }
 
-/// How far a robot is expected to be from its drawing: standard deviations of the prior (see [`crate::prior`]).
+/// Expected errors of a robot relative to its drawing: standard deviations of the prior (see [`crate::prior`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
     /// Direction of an axis on the link that carries it, rad.
     pub turn: f64,
-    /// Place of an axis on the link that carries it, m.
+    /// Position of an axis on the link that carries it, m.
     pub shift: f64,
     /// Zero of a turning joint, rad: it is set when the arm is mastered, not machined.
     pub zero_turn: f64,
@@ -128,7 +128,7 @@ pub struct Tolerances {
 }
 
 impl Default for Tolerances {
-    /// What a machine shop holds on an arm of about a metre: 1 mrad, 1 mm; 0.1 mm per turn; one part in a thousand.
+    /// Usual machining tolerances of an arm of about a metre: 1 mrad, 1 mm; 0.1 mm per turn; one part in a thousand.
     /// Zeros: about a degree, 5 mm.
     fn default() -> Self {
         Self {
@@ -151,7 +151,7 @@ pub struct Freedom {
     pub scales: Vec<bool>,
     /// For each joint, its pitch; helical joints' pitches are part of the axes and free with them.
     pub pitches: Vec<bool>,
-    /// For each joint, its zero. Free axes express every zero already: only where the axes are held is this anything new.
+    /// For each joint, its zero. Free axes already include every zero: this matters only where the axes are held.
     pub zeros: Vec<bool>,
 }
 
@@ -178,10 +178,10 @@ impl Freedom {
     }
 }
 
-/// A value known beforehand: its residual over its standard deviation, and the derivatives that are not 0, by column.
+/// A known value: its residual over its standard deviation, and the nonzero derivatives, by column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Known {
-    /// Known less predicted.
+    /// Known minus predicted.
     pub residual: f64,
     /// Columns and derivatives of the residual.
     pub columns: Vec<(usize, f64)>,

@@ -20,33 +20,33 @@ pub struct Layout {
     pub joints: Range<usize>,
     /// Parameters of the effects.
     pub effects: Range<usize>,
-    /// Parameters of the targets: 3 for each place that is seen, then 3 for each orientation that is seen.
+    /// Parameters of the targets: 3 for each observable position, then 3 for each observable orientation.
     pub targets: Range<usize>,
-    /// First parameter of each setup's instrument, where one is seen.
+    /// First parameter of each setup's instrument, if observable.
     pub instruments: Vec<Option<usize>>,
-    /// First parameter of each setup's plane, where only that is seen.
+    /// First parameter of each setup's plane, if only that is observable.
     pub planes: Vec<Option<usize>>,
-    /// First parameter of each setup's direction of gravity, where that is seen.
+    /// First parameter of each setup's direction of gravity, if observable.
     pub levels: Vec<Option<usize>>,
     /// First parameter of each point.
     pub points: Vec<usize>,
-    /// First parameter of each target's place, where it is seen.
+    /// First parameter of each target's position, if observable.
     pub places: Vec<Option<usize>>,
-    /// First parameter of each target's orientation, where it is seen.
+    /// First parameter of each target's orientation, if observable.
     pub turns: Vec<Option<usize>>,
     /// Per joint.
     pub bases: Vec<AxisBasis>,
-    /// What moves together without being seen.
+    /// The unobservable frames.
     pub frames: Frames,
-    /// What is expected of the joints' parameters.
+    /// The prior of the joints' parameters.
     pub prior: Prior,
-    /// What an earlier calibration expects of effects, given those.
+    /// An earlier calibration's prior of effects, given those.
     pub effects_prior: Option<EffectsPrior>,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// The name of a direction: a base axis where it is one, else the given letter.
+/// The name of a direction: a base axis if it is one, else the given letter.
 fn direction_name(direction: &Vector3<f64>, otherwise: &'static str) -> &'static str {
     (0..3).find(|&i| direction[i].abs() > 1.0 - 1e-9).map_or(otherwise, |i| AXES[i])
 }
@@ -97,7 +97,7 @@ impl Layout {
         layout.with_effects(effects)
     }
 
-    /// Appends what is unknown beside the arm.
+    /// Appends the unknowns other than the arm's.
     fn surroundings(&mut self, scene: &Scene) {
         let mut free = |name: String, kind: ParameterKind, unit: &'static str| {
             self.parameters.push(Parameter { name, kind, unit, tolerance: None });
@@ -148,7 +148,7 @@ impl Layout {
         let [instruments, planes, levels] =
             [&self.instruments, &self.planes, &self.levels].map(|all| all.iter().flatten().count());
         let start = self.joints.end + 6 * instruments + 3 * (planes + self.points.len()) + 2 * levels;
-        // Numbers follow the word, names stand apart from it.
+        // Numbers follow the word directly, names after a blank.
         let called = |name: &str| {
             let space = if name.starts_with(|c: char| c.is_alphabetic()) { " " } else { "" };
             format!("target{space}{name}")
@@ -178,7 +178,7 @@ impl Layout {
         self.targets = start..self.parameters.len();
     }
 
-    /// What the known distances between points ask of the parameters, and that a tool's frame is that of the tip which holds it first.
+    /// The conditions of known distances between points, and that a tool's frame is that of the first tip that holds it.
     pub fn known_lengths(&self, scene: &Scene, arm: &Arm) -> Vec<Known> {
         let of = |known: &KnownLength| {
             let [a, b] = known.points;
@@ -191,7 +191,7 @@ impl Layout {
             Known { residual: (known.length - length) / known.std, columns }
         };
         let lengths = scene.lengths.iter().map(of);
-        // No tip holds a tool otherwise when its frame is another one: any width will do.
+        // A change of the tool's frame changes no prediction: any standard deviation will do.
         let frame = |target: usize| {
             let pose = &arm.targets[target];
             let of = |first: Option<usize>, value: Vector3<f64>| {
@@ -205,7 +205,7 @@ impl Layout {
         lengths.chain(scene.tool_frames().into_iter().flat_map(frame)).collect()
     }
 
-    /// What is known of points and of effects beside the rows. `numbers`: those of the effects.
+    /// Prior knowledge of points and of effects. `numbers`: those of the effects.
     pub fn known(&self, scene: &Scene, arm: &Arm, numbers: &[f64]) -> Vec<Known> {
         let mut known = self.known_lengths(scene, arm);
         if let Some(prior) = &self.effects_prior {
@@ -215,7 +215,7 @@ impl Layout {
         known
     }
 
-    /// The layout with other effects in it, of which nothing is known.
+    /// The layout with other effects, without a prior.
     #[must_use]
     pub fn with_effects(&self, effects: Vec<Parameter>) -> Self {
         let (old, count) = (self.effects.len(), effects.len());
@@ -240,7 +240,7 @@ impl Layout {
         }
     }
 
-    /// Whether an axis may turn or move: only then can a common motion of all axes hide behind instruments and targets.
+    /// Whether an axis may turn or move: only then can instruments and targets absorb a common motion of all axes.
     pub fn axes_are_free(&self) -> bool {
         let of_axis = |kind| matches!(kind, ParameterKind::Turn { .. } | ParameterKind::Move { .. });
         self.parameters[self.joints.clone()].iter().any(|parameter| of_axis(parameter.kind))
@@ -256,7 +256,7 @@ impl Layout {
         self.parameters.is_empty()
     }
 
-    /// The arm after a step (one number per parameter; those of effects are left out).
+    /// The arm after a step (one number per parameter; those of effects are ignored).
     #[must_use]
     pub fn stepped(&self, arm: &Arm, step: &[f64]) -> Arm {
         let mut result = arm.clone();
@@ -319,19 +319,19 @@ impl Layout {
         self
     }
 
-    /// What the prior charges for an arm: δᵀ P δ of the axes' deviation from what is expected; see [`Layout::difference`].
+    /// The prior's cost of an arm: δᵀ P δ of the axes' deviation from the prior mean; see [`Layout::difference`].
     pub fn prior_cost(&self, arm: &Arm, reference: &Arm) -> f64 {
         let perturbation = self.perturbation(arm, reference);
         perturbation.dot(&(&self.prior.precision * &perturbation))
     }
 
-    /// δ: how far the joints' parameters are from what is expected of them; see [`Layout::difference`].
+    /// δ: deviation of the joints' parameters from the prior mean; see [`Layout::difference`].
     pub fn perturbation(&self, arm: &Arm, reference: &Arm) -> DVector<f64> {
         let difference = self.difference(arm, reference);
         DVector::from_row_slice(&difference[self.joints.clone()]) - &self.prior.mean
     }
 
-    /// How far the arm is from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the
+    /// Deviation of the arm from a reference, per parameter: joints from nominal, targets from `reference`; 0 for the
     /// instruments, the points and effects.
     pub fn difference(&self, arm: &Arm, reference: &Arm) -> Vec<f64> {
         let changes: Vec<_> = (0..arm.joints.len()).map(|joint| arm.change(joint)).collect();
@@ -393,10 +393,10 @@ fn joint_parameters(
     }
 }
 
-/// How a prediction moves per unit of an effect's parameter, in one row.
+/// Derivative of a prediction by an effect's parameter, in one row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
-    /// Twist `[omega; v]` of the tip in the base frame, where the arm stands now: Ad(before\[i\]) · carrier at home.
+    /// Twist `[omega; v]` of the tip in the base frame, in the current posture: Ad(before\[i\]) · carrier at home.
     pub twist: Vector6<f64>,
     /// Shift of the targets, tip frame, m.
     pub target: Vector3<f64>,
@@ -406,7 +406,7 @@ pub struct Sensitivity {
     pub scale: f64,
     /// Change of the distance read, m.
     pub reading: f64,
-    /// Change of what is read too far along the line of sight.
+    /// Change of the excess of the range along the line of sight.
     pub sight: AlongSight,
 }
 
@@ -423,12 +423,12 @@ impl Default for Sensitivity {
     }
 }
 
-/// Effects beyond geometry, as a fit sees them: perturbations per row and how these follow from free numbers.
+/// Effects beyond geometry, as a fit sees them: perturbations per row and their derivatives by free numbers.
 pub trait Effects: Clone + Sync {
-    /// What they know of an arm before any row is looked at, and room for one row.
+    /// Their state of an arm, the same for all rows, and buffers for one row.
     type Standing;
 
-    /// That of this arm; to be made anew when the arm or the effects have changed.
+    /// The state of this arm; make a new one when the arm or the effects have changed.
     fn standing(&self, arm: &Arm) -> Self::Standing;
 
     /// The free numbers, each of kind [`ParameterKind::Effect`].
@@ -439,10 +439,10 @@ pub trait Effects: Clone + Sync {
         false
     }
 
-    /// What the effects do to this arm in a row, into `out`, which comes all zero; `false` if nothing.
+    /// Writes the effects' perturbation of this arm in a row to `out`, which must be all zero; `false` if there is none.
     fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Self::Standing, out: &mut Perturbation) -> bool;
 
-    /// How the prediction moves per unit of each parameter where the arm stands as perturbed, into `out`, which comes all zero; `standing` is
+    /// Writes the derivatives of the prediction by each parameter, in the perturbed posture, to `out`, which must be all zero; `standing` is
     /// that of the same row.
     fn sensitivities(
         &self,
@@ -453,11 +453,11 @@ pub trait Effects: Clone + Sync {
         out: &mut [Sensitivity],
     );
 
-    /// The effects with the columns of these rows in place of those that they follow; needed wherever rows are not those (or
-    /// a part of those) that the effects were made with.
+    /// The effects bound to the columns of these rows; needed for rows other than those (or a part of those) that the effects
+    /// were made with.
     ///
     /// # Errors
-    /// An effect follows what these rows have no column of.
+    /// An effect depends on a column that these rows lack.
     fn bound_to(&self, _data: &Measurements) -> Result<Self, MissingColumn> {
         Ok(self.clone())
     }

@@ -1,5 +1,5 @@
-//! What a calibration knows of the axes, kept for the next one: mean, standard deviations and correlations of the joints'
-//! parameters, and the axes as drawn that they are counted from.
+//! A calibration's posterior of the axes, kept for the next one: mean, standard deviations and correlations of the joints'
+//! parameters, and the drawn axes to which they refer.
 //!
 //! ```json
 //! {"schema": "denavit.prior/1", "robot": "arm", "base": "base", "tip": "tool0",
@@ -25,30 +25,30 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Version of the form that holds nothing else.
+/// Version of a file that holds only this.
 pub const SCHEMA: &str = "denavit.prior/1";
 /// Version of a calibration's own JSON.
 pub const CALIBRATION_SCHEMA: &str = "denavit.calibration/2";
-/// Axes drawn this far apart, m and rad, are two drawings.
+/// Axes drawn this far apart, m and rad, belong to different drawings.
 const SAME_DRAWING: f64 = 1e-6;
-/// Changes and standard deviations are smaller, in their units.
+/// Upper bound of changes and standard deviations, in their units.
 const LARGEST: f64 = 1e6;
-/// Share of its tolerance below which a standard deviation is mostly rounding.
+/// Fraction of its tolerance below which a standard deviation is mostly rounding.
 const KNOWN_EXACTLY: f64 = 1e-6;
 /// Correlations rounded to six digits leave eigenvalues this far below 0, for each parameter.
 const ROUNDED_CORRELATIONS: f64 = 1e-6;
 
-/// What a fit knows of the axes beside the parameters' values and standard deviations.
+/// A fit's knowledge of the axes, other than the parameters' values and standard deviations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Posterior {
     /// Twist `[omega; v]` of each joint's axis as drawn, base frame.
     pub drawn: BTreeMap<String, [f64; 6]>,
     /// For each parameter its correlations with those before it.
     pub correlations: Vec<Vec<f64>>,
-    /// What is known of effects and error curves; left out where there are none.
+    /// The posterior of effects and error curves; left out where there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effects: Option<EffectsPosterior>,
-    /// The parameters that these are of, where they are not those beside it; left out where they are.
+    /// Its parameters, if they differ from those of the file; left out otherwise.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<KnownParameter>,
 }
@@ -66,7 +66,7 @@ pub struct KnownParameter {
     pub unit: String,
 }
 
-/// The axes as an earlier calibration left them.
+/// The axes of an earlier calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Earlier {
     schema: String,
@@ -78,10 +78,10 @@ pub struct Earlier {
     pub tip: String,
     /// The joints' parameters.
     pub parameters: Vec<KnownParameter>,
-    /// How they hang together.
+    /// Their correlations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Posterior>,
-    /// How much of it counts, from 0 to 1.
+    /// Its weight, from 0 to 1.
     #[serde(skip, default = "in_full")]
     pub weight: f64,
     /// The effects and error curves, as they were read.
@@ -93,12 +93,12 @@ fn in_full() -> f64 {
     1.0
 }
 
-/// Why an earlier calibration is none of this robot.
+/// Why an earlier calibration does not apply to this robot.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EarlierError {
     /// No JSON, or not of this form.
-    #[error("{file}: not a calibration ({why}); give what denavit calibrate ‹json› wrote")]
+    #[error("{file}: not a calibration ({why}); give a file from denavit calibrate ‹json›")]
     Form {
         /// The file.
         file: String,
@@ -106,22 +106,22 @@ pub enum EarlierError {
         why: String,
     },
     /// Another version.
-    #[error("{file}: schema is \"{found}\", which holds no prior; give what denavit calibrate ‹json› wrote")]
+    #[error("{file}: schema is \"{found}\", which holds no prior; give a file from denavit calibrate ‹json›")]
     Schema {
         /// The file.
         file: String,
         /// As written.
         found: String,
     },
-    /// Written before correlations were, or nothing was identified.
-    #[error("{file}: {why}, so nothing can be continued from it; calibrate again with the rows of then")]
+    /// The file holds no correlations, or nothing was identified.
+    #[error("{file}: {why}, so no calibration can continue from it; calibrate again with its rows")]
     Nothing {
         /// The file.
         file: String,
         /// What it lacks.
         why: String,
     },
-    /// A number that cannot be.
+    /// An impossible number.
     #[error("{file}: {parameter}: {why}; make the file again")]
     Number {
         /// The file.
@@ -135,7 +135,7 @@ pub enum EarlierError {
     #[error("{0}")]
     Effects(String),
     /// A joint or a parameter that this chain does not have.
-    #[error("{file}: the chain {base} → {tip} has no {name}; choose the robot, base and tip of then ({then})")]
+    #[error("{file}: the chain {base} → {tip} has no {name}; choose the robot, base and tip of the file ({then})")]
     OtherChain {
         /// The file.
         file: String,
@@ -150,7 +150,7 @@ pub enum EarlierError {
     },
     /// The same names, other axes.
     #[error(
-        "{file}: {joint} was drawn elsewhere (by {apart:.3} mm and mrad) when the robot was calibrated; give the robot as it \
+        "{file}: the drawn {joint} differs by {apart:.3} mm and mrad from that of the earlier calibration; give the robot as it \
          was drawn then, not its calibrated URDF"
     )]
     OtherDrawing {
@@ -181,14 +181,14 @@ impl Posterior {
     }
 }
 
-/// What [`crate::arm::Arm::change`] tells apart, put together again.
+/// The inverse of [`crate::arm::Arm::change`].
 fn changed(screw: &Screw, [ta, tb]: [f64; 2], [ma, mb]: [f64; 2], pitch: f64) -> Screw {
     let basis = AxisBasis::of(screw);
     let drawn = screw.direction().into_inner();
     let turn = basis.a * ta + basis.b * tb;
     let direction = Unit::new_normalize(Rotation3::from_scaled_axis(turn) * drawn);
     let across = basis.a * ma + basis.b * mb;
-    // The point of the line that is nearest to the centre: its way from there is square to the line.
+    // The point of the line that is nearest to the centre: the connecting line is perpendicular.
     let along = -direction.dot(&across) / direction.dot(&drawn);
     let axis = AxisLine { direction, point: basis.centre + across + drawn * along };
     let pitch = screw.pitch().unwrap_or(0.0) + pitch;
@@ -203,10 +203,10 @@ fn drawn(chain: &Chain) -> BTreeMap<String, [f64; 6]> {
 }
 
 impl Earlier {
-    /// Reads what `denavit calibrate --json` wrote, or a file that holds a prior alone, for this chain.
+    /// Reads the output of `denavit calibrate --json`, or a file with a prior only, for this chain.
     ///
     /// # Errors
-    /// Another form, another robot, or the same robot drawn elsewhere.
+    /// Another form, another robot, or another drawing of the same robot.
     pub fn read(file: &str, text: &str, chain: &Chain) -> Result<Self, EarlierError> {
         let form = |error: serde_json::Error| EarlierError::Form { file: file.into(), why: error.to_string() };
         let any: serde_json::Value = serde_json::from_str(text).map_err(form)?;
@@ -226,7 +226,7 @@ impl Earlier {
         Ok(earlier)
     }
 
-    /// What is known of a robot's axes from its siblings: means, standard deviations, and for each parameter its correlations
+    /// A robot's axes as expected from its siblings: means, standard deviations, and for each parameter its correlations
     /// with those before it.
     pub fn of_siblings(chain: &Chain, parameters: Vec<KnownParameter>, correlations: Vec<Vec<f64>>) -> Self {
         Self {
@@ -241,10 +241,10 @@ impl Earlier {
         }
     }
 
-    /// The chain with its axes where this calibration found them: exactly the changes that it reports.
+    /// The chain with the axes of this calibration: exactly the changes that it reports.
     ///
     /// # Errors
-    /// A number with which the chain is none.
+    /// A number that makes the chain invalid.
     pub fn chain(&self, drawn: &Chain) -> Result<Chain, ChainError> {
         let joints = drawn.joints().iter().map(|joint| {
             let own = |word: &str| -> Vec<f64> {
@@ -289,7 +289,7 @@ impl Earlier {
             why: why.into(),
         };
         if posterior.correlations.len() != self.parameters.len() {
-            let why = format!("{} rows where {} belong", posterior.correlations.len(), self.parameters.len());
+            let why = format!("{} rows instead of {}", posterior.correlations.len(), self.parameters.len());
             return Err(number("posterior.correlations", &why));
         }
         if let Some(name) = posterior.drawn.keys().find(|name| axis_of(chain, name).is_none()) {
@@ -308,7 +308,7 @@ impl Earlier {
                 return Err(other_chain(name));
             };
             if self.parameters[..index].iter().any(|before| before.parameter == *name) {
-                return Err(number(name, "it stands there twice"));
+                return Err(number(name, "it appears twice"));
             }
             if parameter.unit != known.unit {
                 return Err(number(name, &format!("its unit is \"{}\", not \"{}\"", parameter.unit, known.unit)));
@@ -323,7 +323,7 @@ impl Earlier {
         Ok(())
     }
 
-    /// That there are numbers with these correlations: no direction has a negative variance.
+    /// Checks that these correlations are possible: no direction has a negative variance.
     ///
     /// Parameters that are known far better than their tolerance count less: their correlations are mostly rounding.
     fn check_correlations(&self, file: &str, chain: &Chain) -> Result<(), EarlierError> {
@@ -350,7 +350,7 @@ impl Earlier {
         let least = if count == 0 { 0.0 } else { matrix.symmetric_eigenvalues().min() };
         if least < -ROUNDED_CORRELATIONS * count as f64 {
             let why = format!(
-                "no numbers can be correlated like this: their matrix has the eigenvalue {least:.3}, and none may be below 0"
+                "these correlations are impossible: their matrix has the eigenvalue {least:.3}, and none may be below 0"
             );
             let parameter = "posterior.correlations".into();
             return Err(EarlierError::Number { file: file.into(), parameter, why });
@@ -358,12 +358,12 @@ impl Earlier {
         Ok(())
     }
 
-    /// What an earlier fit expects of some coefficients of its effects, given the axes: `first` is the first of them among the numbers
-    /// of all effects. `None` where it knows no effects.
+    /// The prior of some coefficients of effects by an earlier fit, given the axes: `first` is the index of the first among the numbers
+    /// of all effects. `None` where the earlier fit has no effects.
     ///
-    /// The axes may have been knocked since, the effects not: with C the earlier covariance of axes and coefficients and C_w that of the
-    /// axes as they are counted now (weight w), the axes are η = η_then + k, k ~ N(0, C_w - C_ηη), so that
-    /// c | η ~ N(m + A (η - μ), C_cc - A C_ηc), A = C_cη C_w⁻¹. The less is known of the axes, the less they say of the coefficients,
+    /// A collision may have changed the axes since, but not the effects: with C the earlier covariance of axes and coefficients and C_w that
+    /// of the axes with their present weight w, the axes are η = η_then + k, k ~ N(0, C_w - C_ηη), so that
+    /// c | η ~ N(m + A (η - μ), C_cc - A C_ηc), A = C_cη C_w⁻¹. With less knowledge of the axes, these say less of the coefficients,
     /// which keep their own m and C_cc.
     pub(crate) fn of_effects(
         &self,
@@ -389,7 +389,7 @@ impl Earlier {
         Some(prior.spread_over(&now, joints.len()))
     }
 
-    /// What the layout's joints are known by; what was identified then and is held now has no part in it.
+    /// The earlier knowledge of the layout's joints; parameters that are held now are left out.
     fn known(&self, layout: &Layout) -> KnownBefore {
         let parameters = &layout.parameters[layout.joints.clone()];
         let at = |name: &str| parameters.iter().position(|parameter| parameter.name == name);
@@ -413,13 +413,13 @@ impl Earlier {
         }
     }
 
-    /// The same, counted with another weight.
+    /// The same with another weight.
     #[must_use]
     pub fn counted(&self, weight: f64) -> Self {
         Self { weight, ..self.clone() }
     }
 
-    /// What was identified then stays free, whatever else is.
+    /// The freedom, with all parameters of the earlier calibration free.
     #[must_use]
     pub fn freed(&self, chain: &Chain, freedom: &Freedom) -> Freedom {
         let mut freed = freedom.clone();
@@ -444,11 +444,11 @@ fn axis_of(chain: &Chain, joint: &str) -> Option<[f64; 6]> {
     chain.joints().iter().find(|own| own.name == joint).map(|own| own.screw.twist().into())
 }
 
-/// How far a joint of the chain is drawn from an axis, m and rad; `None` where there is no such joint.
+/// Distance of a joint's drawn axis from an axis, m and rad; `None` where there is no such joint.
 fn drawn_apart(chain: &Chain, joint: &str, axis: &[f64; 6]) -> Option<f64> {
     let now = axis_of(chain, joint)?;
     let apart = now.iter().zip(axis).map(|(a, b)| (a - b).abs());
-    // A number that is none stays one.
+    // NaN stays NaN.
     Some(apart.fold(0.0, |most, apart| if apart <= most { most } else { apart }))
 }
 
@@ -460,14 +460,14 @@ pub fn same_drawing(chain: &Chain, axes: &BTreeMap<String, [f64; 6]>) -> bool {
     axes.len() == chain.joints().len() && axes.iter().all(near)
 }
 
-/// The layout with its joints expected where an earlier calibration left them, if there is one.
+/// The layout with its joints expected at the result of an earlier calibration, if there is one.
 pub fn expecting(layout: Layout, earlier: Option<&Earlier>) -> Layout {
     let Some(earlier) = earlier else { return layout };
     let known = earlier.known(&layout);
     layout.knowing(&known)
 }
 
-/// All that a fit could free of a chain's joints.
+/// All parameters of a chain's joints that a fit can free.
 fn every_parameter(chain: &Chain) -> Vec<Parameter> {
     let all = vec![true; chain.joints().len()];
     let freedom = Freedom { axes: all.clone(), scales: all.clone(), pitches: all.clone(), zeros: all };

@@ -1,20 +1,20 @@
-//! What is known of a robot before it is measured: its links are machined to a tolerance, its zeros are set by hand.
+//! The prior of a robot before it is measured: its links are machined to a tolerance, its zeros are set by hand.
 //!
-//! An axis stands on a link, that link on the axis before it. So errors add up along the chain: with δk the error of
+//! An axis is on a link, that link on the axis before it. So errors add up along the chain: with δk the error of
 //! link k, ok the error of joint k's zero, Sk its screw,
 //!
 //! ```text
 //! perturbation of axis i = across_i( base + Σ_{k ≤ i} δk + Σ_{k < i} ok Sk )
 //! ```
-//! with the sums over the joints that carry axis i: in a tree those on the way to it.
-//! δk turns by `turn` about three axes through axis k's centre and shifts by `shift`; nothing is expected of the base.
-//! The prior is normal with the covariance that follows. It weighs against the data by their noise: where the data
-//! tell a direction well it changes nothing, where they tell it badly it keeps to the drawing, without noise it
-//! vanishes. A prior on each axis by itself would not do: a zero that is off by 10 mrad turns all axes after it, which
-//! is no news to anyone who masters robots.
+//! with sums over the joints that carry axis i: in a tree those on the way to it.
+//! δk turns by `turn` about three axes through axis k's centre and shifts by `shift`; the base has no prior.
+//! The prior is normal with the resulting covariance. Its weight relative to the data depends on their noise: where the data
+//! determine a direction well it changes nothing, where they do not it keeps to the drawing, and without noise it
+//! vanishes. Independent priors of the axes would be wrong: a zero that is off by 10 mrad turns all axes after it, as
+//! everyone knows who masters robots.
 //!
-//! An arm that was calibrated before, or whose siblings were, is known better than that: of the parameters that were
-//! identified then their mean and covariance are taken, of all others what the drawing says of them given those.
+//! An arm that was calibrated before, or whose siblings were, is known better than that: identified parameters have their
+//! earlier mean and covariance, all others the drawing's prior given those.
 
 use crate::arm::AxisBasis;
 use crate::frames::Frames;
@@ -23,7 +23,7 @@ use crate::symmetric;
 use denavit_model::nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use denavit_model::{Chain, Quantity};
 
-/// Nothing is expected of the base: this many times the tolerances, rad and m alike.
+/// Standard deviation of the base, rad and m: practically no prior.
 const BASE: f64 = 1.0;
 
 /// Coordinates of a twist `[omega; v]` (base frame) in the direction that a parameter changes; 0 for pitch and scale.
@@ -46,18 +46,18 @@ fn about(point: &Vector3<f64>, omega: Vector3<f64>, shift: Vector3<f64>) -> Vect
     Vector6::new(omega.x, omega.y, omega.z, v.x, v.y, v.z)
 }
 
-/// A common motion of all axes is held by the frame, not by what was measured before: so much of it is allowed for, rad and m
-/// alike. The number changes no result.
+/// Standard deviation of a common motion of all axes, rad and m: the frame holds this motion, not the earlier measurement. The
+/// number changes no result.
 const COMMON: f64 = 0.03;
-/// A direction that resists a common motion less than this is not moved by it.
+/// A common motion with less resistance than this does not move a direction.
 const MOVES_NOTHING: f64 = 1e-9;
-/// Share of a tolerance that nobody knows a parameter better than: it keeps the covariance invertible.
+/// Smallest standard deviation of a parameter, as a fraction of its tolerance: it keeps the covariance invertible.
 const BEST_KNOWN: f64 = 1e-6;
 
-/// Deviation of ln κ, κ the share of its tolerances that a robot uses.
+/// Standard deviation of ln κ, κ the ratio of a robot's errors to its tolerances.
 pub const SHARE_USED: f64 = 0.7;
 
-/// What is expected of the joints' parameters: a normal distribution.
+/// The prior of the joints' parameters: a normal distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
     /// Mean deviation from the drawing, in the parameters' units: 0 where nothing was measured before.
@@ -68,20 +68,20 @@ pub struct Prior {
     pub of_drawing: DMatrix<f64>,
     /// Covariance by the drawing's tolerances alone, in tolerances.
     drawn: DMatrix<f64>,
-    /// How many times the variance of the drawing's tolerances is expected, where nothing was measured before.
+    /// Ratio of the expected variance to that of the drawing's tolerances, without an earlier measurement.
     pub widened: f64,
 }
 
-/// What is known of some parameters from elsewhere, in their order: index among the layout's parameters, mean, covariance.
+/// Prior knowledge of some parameters, in their order: index among the layout's parameters, mean, covariance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownBefore {
     /// Indices among the joints' parameters of a layout, each once.
     pub indices: Vec<usize>,
     /// Mean deviation from the drawing, in the parameters' units.
     pub mean: DVector<f64>,
-    /// Covariance, in the parameters' units; directions in which the common frame was held have none.
+    /// Covariance, in the parameters' units; 0 in directions in which the common frame was held.
     pub covariance: DMatrix<f64>,
-    /// How much of it counts, from 0 to 1.
+    /// Its weight, from 0 to 1.
     pub weight: f64,
 }
 
@@ -102,8 +102,8 @@ impl Prior {
     /// The same where some of the parameters were identified before.
     ///
     /// With K those known before, μ and C their mean and covariance, U all others and D the drawing's covariance,
-    /// U = A K + e, A = D_UK D_KK⁻¹, e with the covariance D_UU - A D_KU. What was measured then counts as if its rows had the
-    /// power `weight` in the likelihood: precision w P + (1 - w) P_drawing (Ibrahim and Chen 2000, Statistical Science 15, 46).
+    /// U = A K + e, A = D_UK D_KK⁻¹, e with the covariance D_UU - A D_KU. The earlier rows count with the power `weight` in the
+    /// likelihood: precision w P + (1 - w) P_drawing (Ibrahim and Chen 2000, Statistical Science 15, 46).
     #[must_use]
     pub fn knowing(self, parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames, before: &KnownBefore) -> Self {
         let count = parameters.len();
@@ -167,18 +167,18 @@ impl Prior {
         Self { precision: &self.of_drawing / widened, widened, ..self }
     }
 
-    /// Whether the drawing alone says what is expected.
+    /// Whether the prior comes from the drawing alone.
     pub fn is_of_drawing(&self) -> bool {
         self.precision == &self.of_drawing / self.widened
     }
 }
 
-/// Of each frame, turns about the base's axes and moves along them, by 1 rad and 1 m.
+/// For each frame, rotations about the base's axes and shifts along them, by 1 rad and 1 m.
 fn common_motions(frames: &Frames) -> impl Iterator<Item = (usize, Vector6<f64>)> {
     (0..frames.count).flat_map(|frame| (0..6).map(move |k| (frame, Vector6::ith(k, 1.0))))
 }
 
-/// What a twist of the axes of some joints does to each parameter, in tolerances.
+/// Change of each parameter by a twist of some joints' axes, in tolerances.
 fn moved_by(
     twist: &Vector6<f64>,
     parameters: &[Parameter],
@@ -214,7 +214,7 @@ pub fn covariance_of(precision: &DMatrix<f64>, parameters: &[Parameter]) -> DMat
     DMatrix::from_fn(count, count, |i, k| inverse[(i, k)] * unit(i) * unit(k))
 }
 
-/// Directions of the joints' parameters, in tolerances, that no common motion of a frame's axes moves along: orthonormal columns.
+/// Directions of the joints' parameters, in tolerances, orthogonal to common motions of a frame's axes: orthonormal columns.
 pub fn free_of_common_motions(parameters: &[Parameter], bases: &[AxisBasis], frames: &Frames) -> DMatrix<f64> {
     let count = parameters.len();
     let mut moved = DMatrix::<f64>::zeros(count, 6 * frames.count);
@@ -231,21 +231,21 @@ pub fn free_of_common_motions(parameters: &[Parameter], bases: &[AxisBasis], fra
     eigen.eigenvectors.select_columns(&free)
 }
 
-/// What may be off about a robot, and what it does to the joints' parameters.
+/// A possible error of a robot, and the change of the joints' parameters by it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    /// What is off.
+    /// Its kind.
     pub of: SourceKind,
-    /// Change of each parameter by a standard deviation of it, in tolerances.
+    /// Change of each parameter by one standard deviation of the error, in tolerances.
     pub moved: DVector<f64>,
 }
 
-/// What may be off about a robot: the errors of one kind are equally large.
+/// A kind of error of a robot: the errors of one kind are equally large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum SourceKind {
     /// The direction of an axis on the link that carries it.
     Turn,
-    /// Its place.
+    /// Its position.
     Shift,
     /// The zero of a joint.
     Zero,
@@ -253,7 +253,7 @@ pub enum SourceKind {
     Ratio,
 }
 
-/// All that may be off about a robot beside where it stands, by the drawing's tolerances.
+/// All possible errors of a robot except its base, by the drawing's tolerances.
 pub fn sources(
     chain: &Chain,
     parameters: &[Parameter],
@@ -330,7 +330,7 @@ mod tests {
                 indices,
             };
             let known = layout.clone().knowing(&before).prior;
-            // Scaled to the tolerances; the common motion that is allowed for beside the drawing's own is what differs.
+            // Scaled to the tolerances; only the added common motion differs.
             let unit = DVector::from_iterator(layout.len(), layout.parameters.iter().map(|p| p.tolerance.unwrap()));
             let scaled = |matrix: &DMatrix<f64>| {
                 DMatrix::from_fn(unit.len(), unit.len(), |i, k| matrix[(i, k)] * unit[i] * unit[k])
@@ -343,7 +343,7 @@ mod tests {
 
     #[test]
     fn what_was_measured_pulls_what_hangs_on_it_along() {
-        // The fifth axis is known to be turned; the one behind it stands on the same links.
+        // The fifth axis is known to be turned; the one after it is on the same links.
         let chain = examples::puma_like();
         let (freedom, tolerances) = (Freedom::axes(6), Tolerances::default());
         let layout = Layout::new(&chain, &Scene::default(), &freedom, &tolerances, Vec::new());

@@ -1,23 +1,23 @@
-//! Whether a robot is of a size that anything measures: numbers far beyond it overflow or drown all others, and more joints
-//! than any arm has take years to fit.
+//! Whether a robot has a plausible size: far larger numbers overflow or swamp all others, and more joints than any arm has
+//! take years to fit.
 
 use denavit_model::nalgebra::Point3;
 use denavit_model::{Chain, Screw};
 use thiserror::Error;
 
-/// No robot's axes are further apart, m: a hundred kilometres.
+/// Largest distance of an axis from the base, m: a hundred kilometres.
 const LARGEST: f64 = 1e5;
 
-/// An axis beyond reason.
+/// An axis too far away.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "{robot}: the axis of joint \"{joint}\" lies {away:e} m from the base; no robot is that large, and no measurement reaches \
-     there: correct the origins on the way to it"
+    "{robot}: the axis of joint \"{joint}\" is {away:e} m from the base; no robot is that large: correct the origins on the \
+     way to it"
 )]
 pub struct OutOfProportion {
     /// The robot.
     pub robot: String,
-    /// The first joint that lies out there.
+    /// The first joint beyond the limit.
     pub joint: String,
     /// How far, m.
     pub away: f64,
@@ -47,14 +47,14 @@ pub fn within_proportion(chain: &Chain) -> Result<(), OutOfProportion> {
     }
 }
 
-/// Chains of more joints are not fitted or planned for: each joint has four numbers to find, and the work grows with the cube
-/// of all of them (100 joints take seconds, 2000 would take days).
+/// Most joints of a chain for a fit or a plan: each joint has four parameters, and the work grows with the cube of their number
+/// (100 joints take seconds, 2000 would take days).
 pub const MOST_JOINTS: usize = 100;
 
 /// A chain of more joints than can be fitted at once.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "{robot}: {joints} joints move between \"{base}\" and \"{tip}\", and more than {MOST_JOINTS} cannot be identified at once; \
+    "{robot}: {joints} joints move between \"{base}\" and \"{tip}\", but at most {MOST_JOINTS} can be identified at once; \
      choose a part of the chain: ‹base› and ‹tip›"
 )]
 pub struct TooManyJoints {

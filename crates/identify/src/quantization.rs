@@ -9,11 +9,11 @@ use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-/// Readings lie on a grid when all are this near to it, in steps; by chance one in twenty does.
+/// Largest distance of readings from a grid, in steps; by chance one reading in twenty is this near.
 const NEAR: f64 = 0.025;
-/// Text with nine decimals is off by as much, rad or m.
+/// Rounding error of text with nine decimals, rad or m.
 const TEXT: f64 = 1.5e-9;
-/// With fewer different readings chance may do it.
+/// Fewest different readings: with fewer a grid may be chance.
 const LEAST_READINGS: usize = 8;
 
 /// A grid that a joint's readings lie on.
@@ -25,16 +25,16 @@ pub struct Grid {
     pub coordinate: usize,
     /// Step, rad or m.
     pub step: f64,
-    /// The step in the unit that it was made in, such as `0.1°` or `2^17 counts per turn`.
+    /// The step in its original unit, such as `0.1°` or `2^17 counts per turn`.
     pub name: String,
 }
 
-/// What rounding does to the measured value.
+/// The effect of rounding on the measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounding {
     /// The grids, joint by joint.
     pub grids: Vec<Grid>,
-    /// Root mean square of the position or distance error (3-D norm) that rounding to these grids makes, m.
+    /// Root mean square position or distance error (3-D norm) due to rounding to these grids, m.
     pub error: f64,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Rounding {
         let joints: Vec<&str> = self.grids.iter().map(|grid| grid.joint.as_str()).collect();
         write!(
             f,
-            "readings of {} lie on a grid of {}; if they were rounded to it, that alone makes {:.3} mm rms",
+            "readings of {} lie on a grid of {}; if they were rounded to it, this alone causes errors of {:.3} mm rms",
             joints.join(", "),
             names.join(", "),
             self.error * 1e3
@@ -96,9 +96,9 @@ pub fn grids(chain: &Chain, data: &Measurements) -> Vec<Grid> {
     found
 }
 
-/// The error that rounding to these grids makes in the measured value; `None` without grids.
+/// The error of the measured value due to rounding to these grids; `None` without grids.
 ///
-/// Readings are off by a share of the step that is uniform between -1/2 and 1/2: variance step²/12.
+/// The rounding error is uniform between -1/2 and 1/2 step: variance step²/12.
 pub fn rounding(arm: &Arm, data: &Measurements) -> Option<Rounding> {
     let grids = grids(&arm.nominal, data);
     if grids.is_empty() || data.is_empty() {

@@ -1,14 +1,14 @@
-//! How many numbers were measured beyond those that are to be found: without any to spare nothing can be judged.
+//! Number of measured values beyond the unknowns: without redundancy nothing can be tested.
 
 use denavit_measurements::Measurements;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Effects are looked for when there are at least this many degrees of freedom per parameter: below that the search over
-/// hundreds of candidates names some in clean data (`tests/redundancy.rs`).
+/// Fewest degrees of freedom per parameter for a search for effects: with fewer, the search over hundreds of candidates
+/// names some in clean data (`tests/redundancy.rs`).
 const DEGREES_PER_PARAMETER: f64 = 2.0;
 
-/// Measured numbers beside the parameters that they identify.
+/// Measured values and the parameters that they identify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Redundancy {
     /// Different postures of the robot among the fitted rows.
@@ -18,15 +18,15 @@ pub struct Redundancy {
     pub values: usize,
     /// Parameters that they identify: the rank.
     pub parameters: usize,
-    /// Values less parameters.
+    /// Values minus parameters.
     pub degrees_of_freedom: usize,
-    /// Whether that is enough to look for effects.
+    /// Whether that is enough to search for effects.
     pub enough_for_effects: bool,
 }
 
 impl Redundancy {
-    /// Counts the rows of `data`, which identify `rank` parameters. Places that one posture alone sees, such as where two tips touch each
-    /// other, take as many numbers as they are: neither counts.
+    /// Counts the rows of `data`, which identify `rank` parameters. A point that only one posture sees, such as a contact of two tips,
+    /// has as many unknowns as values: neither counts.
     pub fn of(data: &Measurements, rank: usize) -> Self {
         let (postures, values) = different(data);
         let touches = seen_once(data);
@@ -38,13 +38,13 @@ impl Redundancy {
             values,
             parameters: rank,
             degrees_of_freedom: degrees,
-            // Both rows of a touch have one error: the search would count it twice.
+            // Both rows of a contact share one error: the search would count it twice.
             enough_for_effects: touches == 0 && degrees as f64 >= DEGREES_PER_PARAMETER * rank as f64,
         }
     }
 }
 
-/// How many points are seen in one posture alone.
+/// Number of points that only one posture sees.
 fn seen_once(data: &Measurements) -> usize {
     let mut postures_of = vec![0; data.scene.points.len()];
     for posture in data.postures().iter() {

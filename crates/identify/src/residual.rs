@@ -10,22 +10,22 @@ use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Matrix3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
-/// What effects turn a joint by from here on, rad, turns with its axis when that is turned: a joint that counts from the ground. Less changes
-/// no step of a fit.
+/// Rotation of a joint by effects, rad, above which it turns with the joint's axis in the derivatives: a joint that counts from the ground.
+/// Smaller rotations change no step of a fit.
 const FAR: f64 = 0.01;
 
-/// Measured data, parameters and effects: what residuals are computed from.
+/// Measured data, parameters and effects, from which residuals are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct ResidualModel<'a, E> {
     /// What was measured.
     pub data: &'a Measurements,
     /// Which numbers are free.
     pub layout: &'a Layout,
-    /// What is added to geometry.
+    /// The effects beyond geometry.
     pub effects: &'a E,
 }
 
-/// Room for one row's computation: made once, used for many rows.
+/// Buffers for one row's computation: made once, used for many rows.
 #[derive(Debug, Clone)]
 pub struct Scratch<S = ()> {
     standing: S,
@@ -54,7 +54,7 @@ impl Twists {
         }
     }
 
-    /// Less the velocity of a point (base frame, m), parameter by parameter: three rows of `columns` cells.
+    /// Minus the velocity of a point (base frame, m), parameter by parameter: three rows of `columns` cells.
     fn less_velocities(&self, point: &Vector3<f64>, columns: usize, jacobian: &mut [f64]) {
         let count = self.0[0].len();
         let [wx, wy, wz, vx, vy, vz] = self.0.each_ref().map(|numbers| &numbers[..count]);
@@ -68,7 +68,7 @@ impl Twists {
         }
     }
 
-    /// Less the velocity of a point along a line, parameter by parameter.
+    /// Minus the velocity of a point along a line, parameter by parameter.
     fn less_along(&self, point: &Vector3<f64>, line: &Vector3<f64>, jacobian: &mut [f64]) {
         // line · (omega × p + v) = (p × line) · omega + line · v.
         let moment = point.cross(line);
@@ -79,7 +79,7 @@ impl Twists {
         }
     }
 
-    /// Less the angular velocity about a line, parameter by parameter.
+    /// Minus the angular velocity about a line, parameter by parameter.
     fn less_about(&self, line: &Vector3<f64>, jacobian: &mut [f64]) {
         let count = self.0[0].len();
         for (column, cell) in jacobian[..count].iter_mut().enumerate() {
@@ -87,7 +87,7 @@ impl Twists {
         }
     }
 
-    /// Less the angular velocities, taken through `matrix`: three rows of `columns` cells.
+    /// Minus the angular velocities, multiplied by `matrix`: three rows of `columns` cells.
     fn less_turns(&self, matrix: &Matrix3<f64>, columns: usize, jacobian: &mut [f64]) {
         let count = self.0[0].len();
         let (wx, wy, wz) = (&self.0[0][..count], &self.0[1][..count], &self.0[2][..count]);
@@ -130,19 +130,19 @@ impl<S> Scratch<S> {
         Geometry::of(arm, &self.bases, data)
     }
 
-    /// Where the arm stood in the row computed last.
+    /// The arm's state in the last row.
     pub fn state(&self) -> &RowState {
         &self.state
     }
 }
 
-/// A joint's axis in one row, as a change of it enters: what carries it less what it carries.
+/// A change of a joint's axis in one row: the part before the joint's motion minus the part after it.
 #[derive(Debug, Clone, Copy, Default)]
 struct AxisNow {
-    /// Directions across the axis before the joint's motion less those after it.
+    /// Directions across the axis before the joint's motion minus those after it.
     directions: [Vector3<f64>; 2],
     after: [Vector3<f64>; 2],
-    /// Centre before the motion, and how far the motion brought it back, m.
+    /// Centre before the motion, and its displacement back by the motion, m.
     centre: Vector3<f64>,
     back: Vector3<f64>,
 }
@@ -156,7 +156,7 @@ impl AxisNow {
         Self { directions, after: now, centre, back: centre - (after * basis.centre).coords }
     }
 
-    /// Twist per unit of a turn about direction `across`: c × w before the motion less the same after it.
+    /// Twist per unit of a rotation about direction `across`: c × w before the motion minus the same after it.
     #[inline]
     fn turned(&self, direction: usize) -> (Vector3<f64>, Vector3<f64>) {
         let w = self.directions[direction];
@@ -185,17 +185,17 @@ fn inverse_left_jacobian(r: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 impl<E: Effects> ResidualModel<'_, E> {
-    /// Room for the rows of this arm; make it anew when the arm has changed.
+    /// Buffers for the rows of this arm; make new ones when the arm has changed.
     pub fn scratch(&self, arm: &Arm) -> Scratch<E::Standing> {
         Scratch::with(self.effects.standing(arm), self.layout, arm)
     }
 
-    /// Residuals (measured less predicted) of one row and their derivatives, as sure as their noise channel says.
+    /// Residuals (measured minus predicted) of one row and their derivatives, with the standard deviation of their noise channel.
     ///
-    /// What a residual is, the kind of each observation says (see [`denavit_measurements::kinds`]). A joint's axis enters as
-    /// dT T⁻¹ = Ad(A) b - Ad(A e^\[S\]v) b for each basis twist b at home, A the motion of what carries the joint.
-    /// Where data say how sure each value is, residual and derivatives are multiplied so that all values of a channel have
-    /// one standard deviation.
+    /// The kind of each observation defines its residual (see [`denavit_measurements::kinds`]). A joint's axis enters as
+    /// dT T⁻¹ = Ad(A) b - Ad(A e^\[S\]v) b for each basis twist b at home, A the motion of the joint's carrier.
+    /// Where the data give a standard deviation for each value, residual and derivatives are scaled so that all values of a channel
+    /// have one standard deviation.
     ///
     /// # Shape and units
     /// `residual`: the values of the row's observations one after another, at least [`ResidualModel::height_of`];
@@ -229,7 +229,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         self.data.of_row(row).map(|observation| self.data.series_of(observation).kind.height()).sum()
     }
 
-    /// Where the arm stands in a row, into the scratch.
+    /// Computes the arm's state in a row, into the scratch.
     pub fn stand(&self, arm: &Arm, row: usize, scratch: &mut Scratch<E::Standing>) {
         let at = Row::new(self.data, row);
         scratch.perturbation.clear();
@@ -242,7 +242,7 @@ impl<E: Effects> ResidualModel<'_, E> {
         );
     }
 
-    /// An observation of the row that the scratch stands in.
+    /// An observation of the scratch's current row.
     pub(crate) fn seen<'s>(&'s self, arm: &'s Arm, observation: usize, scratch: &'s Scratch<E::Standing>) -> Seen<'s> {
         let (series, values) = (self.data.series_of(observation), self.data.observed.values(observation));
         let weighed = self.data.observed.level(observation).is_some();

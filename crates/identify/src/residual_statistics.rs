@@ -1,4 +1,4 @@
-//! How far predictions are from measured values, on the rows of a fit and on rows that it never saw.
+//! Prediction errors, on the rows of a fit and on other rows.
 
 use crate::arm::{Arm, Perturbation, Row, RowState};
 use crate::initial_guess::{level, mean_pose};
@@ -15,11 +15,11 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::Range;
 use thiserror::Error;
 
-/// Root mean square, mean and largest of the errors of one sort, m or rad: norms of what has three components.
+/// Root mean square, mean and largest of the errors of one kind, m or rad: norms where there are three components.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ErrorSummary {
-    /// What it is of.
+    /// The kind of error.
     pub part: Part,
     /// Root mean square.
     pub rms: f64,
@@ -27,11 +27,11 @@ pub struct ErrorSummary {
     pub mean: f64,
     /// Largest.
     pub max: f64,
-    /// Metres per pixel, where pixels were read.
+    /// Metres per pixel, for pixels.
     pub per_pixel: Option<f64>,
 }
 
-/// Errors of every sort that was measured, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
+/// Errors of every measured kind, as JSON `position_rms_m`, `position_mean_m`, `position_max_m`,
 /// `orientation_rms_rad` and so on; of pixels both `reprojection_rms_m` and `reprojection_rms_px`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors(pub Vec<ErrorSummary>);
@@ -67,7 +67,7 @@ impl Serialize for Errors {
 #[non_exhaustive]
 pub enum TestError {
     /// Another kind of value was measured.
-    #[error("{file}: it measures {found}, but the model was fitted to {expected}; test with the same kind of value")]
+    #[error("{file}: it holds {found}, but the model was fitted to {expected}; test with the same kind of value")]
     OtherKind {
         /// The test file.
         file: String,
@@ -78,7 +78,7 @@ pub enum TestError {
     },
     /// A setup whose instrument the fit does not know.
     #[error(
-        "{file}: setup \"{setup}\" is not among the fitted ones ({known}), so nobody knows where its instrument stands; \
+        "{file}: setup \"{setup}\" is not among the fitted ones ({known}), so the position of its instrument is unknown; \
          fit some of its rows, too"
     )]
     UnplacedSetup {
@@ -101,7 +101,7 @@ pub enum TestError {
     },
     /// A recorded quantity that the fitted rows have and these lack.
     #[error(
-        "{file}: column \"{column}\" of {fitted} is missing here, and effects may follow it; add it, or remove it from \
+        "{file}: column \"{column}\" of {fitted} is missing here, but effects may depend on it; add it, or remove it from \
          both files"
     )]
     MissingColumn {
@@ -112,7 +112,7 @@ pub enum TestError {
         /// The fitted file.
         fitted: String,
     },
-    /// A recorded quantity that an effect follows and that some of these rows lack.
+    /// A recorded quantity that an effect depends on and that some of these rows lack.
     #[error(transparent)]
     IncompleteColumn(MissingColumn),
     /// A target that the fit does not know and no row places.
@@ -130,7 +130,7 @@ pub enum TestError {
     },
 }
 
-/// Readings nearer than this are the same configuration, rad or m: a micrometre on a metre.
+/// Readings closer than this are the same configuration, rad or m: a micrometre on a metre.
 const SAME_READING: f64 = 1e-6;
 
 /// One residual: measured minus predicted.
@@ -142,7 +142,7 @@ pub struct Residual {
     pub observation: usize,
     /// Index of the series that it belongs to.
     pub series: usize,
-    /// Of the lengths, base frame, m; what is one number stands in x.
+    /// Of the lengths, base frame, m; a single number is in x.
     pub place: Vector3<f64>,
     /// Of the orientation, a rotation vector in the base frame, rad; 0 where none is measured.
     pub turn: Vector3<f64>,
@@ -172,7 +172,7 @@ pub fn residuals_of<E: Effects>(rows: Range<usize>, arm: &Arm, effects: &E, data
     in_stretches(rows.len(), || (), of_rows).concat()
 }
 
-/// As [`residuals`] of some rows, one after the other: of a million they need not all be kept.
+/// As [`residuals`] of some rows, one after the other, without keeping all of them.
 pub fn each_residual<'a, E: Effects>(
     rows: Range<usize>,
     arm: &'a Arm,
@@ -187,9 +187,9 @@ struct EachResidual<'a, E: Effects> {
     /// In `row`.
     arm: InRow<'a, E>,
     row: usize,
-    /// Rows that are still to come.
+    /// The remaining rows.
     rows: Range<usize>,
-    /// Those of the row that are still to come.
+    /// The remaining observations of the row.
     observations: Range<usize>,
 }
 
@@ -218,7 +218,7 @@ impl<E: Effects> Iterator for EachResidual<'_, E> {
     }
 }
 
-/// Where an arm stands in a row, and what effects do there.
+/// An arm's state in a row, and the perturbation by effects.
 struct InRow<'a, E: Effects> {
     arm: &'a Arm,
     effects: &'a E,
@@ -245,14 +245,13 @@ impl<'a, E: Effects> InRow<'a, E> {
     }
 }
 
-/// The arm with the targets of other data: fitted ones by name, others where the `locate` rows put them.
+/// The arm with the targets of other data: fitted ones by name, others placed by the `locate` rows.
 ///
-/// What the model leaves unexplained where a `locate` row stands is no part of the target's place. Where a fitted row has
-/// the same readings, the fitted targets show it: the target is placed beside where they are seen, not beside where they
-/// are predicted.
+/// The model's residual in a `locate` row must not enter the target's position. Where a fitted row has the same readings, the
+/// fitted targets show this residual: the target is placed relative to their measured, not their predicted, positions.
 ///
 /// # Errors
-/// Another kind of value, or a target that nothing places.
+/// Another kind of value, or a target that no row places.
 pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measurements) -> Result<Arm, TestError> {
     let arm = &fit.arm;
     let effects = bound_later(&fit.effects, fitted, data)?;
@@ -315,7 +314,7 @@ pub fn placed<E: Effects>(fit: &Fit<E>, fitted: &Measurements, data: &Measuremen
     Ok(placed)
 }
 
-/// Puts points that no fit has seen where the rows that see them have them.
+/// Places points that were not fitted, by the rows that see them.
 fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, points: &[usize]) {
     for &point in points {
         let mut there = InRow::new(arm, effects);
@@ -338,7 +337,7 @@ fn place_points<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, poi
     }
 }
 
-/// Puts a plane that no fit has seen where the rows that touch it have it.
+/// Places a plane that was not fitted, by the rows that touch it.
 fn place_plane<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
     let mut there = InRow::new(arm, effects);
     let (mut predicted, mut values, mut kind) = (Vec::new(), Vec::new(), None);
@@ -356,7 +355,7 @@ fn place_plane<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setu
     }
 }
 
-/// Puts a tool that no fit has seen between where the tips that hold it have it.
+/// Places a tool that was not fitted at the mean of the poses by its tips.
 fn place_tool<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
     let mut there = InRow::new(arm, effects);
     let mut tools = Vec::new();
@@ -369,7 +368,7 @@ fn place_tool<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup
     arm.instruments[setup] = mean_pose(&tools).inverse();
 }
 
-/// Puts upright what no fit has seen, as the sensors of its rows have it.
+/// Levels a frame that was not fitted, by the sensors of its rows.
 fn place_level<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setup: usize) {
     let mut there = InRow::new(arm, effects);
     let mut sum = Vector3::zeros();
@@ -385,18 +384,18 @@ fn place_level<E: Effects>(arm: &mut Arm, effects: &E, data: &Measurements, setu
     arm.instruments[setup] = level(&sum);
 }
 
-/// A known distance between two points, and what the rows that see them say of it.
+/// A known distance between two points, and its value by the rows that see them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LengthFound {
     /// The points' labels.
     pub between: [String; 2],
     /// As known, m.
     pub known_m: f64,
-    /// Between the mean places, m.
+    /// Between the mean positions, m.
     pub found_m: f64,
 }
 
-/// The known distances as the rows alone say them, each point standing where its own rows have it.
+/// The known distances by the rows alone, with each point at the position of its own rows.
 pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) -> Vec<LengthFound> {
     if data.scene.lengths.is_empty() {
         return Vec::new();
@@ -417,7 +416,7 @@ pub fn lengths_found<E: Effects>(arm: &Arm, effects: &E, data: &Measurements) ->
 /// The effects of a fit for other rows than the fitted ones.
 ///
 /// # Errors
-/// The rows have no column, or not a complete one, of what an effect follows.
+/// The rows lack a column that an effect depends on, or a value in it.
 pub fn bound_later<E: Effects>(effects: &E, fitted: &Measurements, data: &Measurements) -> Result<E, TestError> {
     effects.bound_to(data).map_err(|missing| match missing {
         MissingColumn::Absent { file, column } => {
@@ -427,7 +426,7 @@ pub fn bound_later<E: Effects>(effects: &E, fitted: &Measurements, data: &Measur
     })
 }
 
-/// Mean place of a target on the tip over the `locate` rows that see it, m; `None` without such rows. `effects`: those of the
+/// Mean position of a target on the tip over the `locate` rows that see it, m; `None` without such rows. `effects`: those of the
 /// fit, for `data`.
 fn locate<E: Effects>(
     fit: &Fit<E>,
@@ -486,7 +485,7 @@ fn instrument_of(arm: &Arm, fitted: &Measurements, setup: &String) -> denavit_mo
     index.map_or_else(denavit_model::Pose::identity, |index| arm.instruments[index])
 }
 
-/// Whether the mean of these changes is above zero, by more than chance has it in this share of cases: Student's test.
+/// Whether the mean of these changes is above zero, at the significance level `chance`: Student's test.
 pub fn above_zero(changes: &[f64], chance: f64) -> bool {
     let count = changes.len() as f64;
     let Ok(distribution) = StudentsT::new(0.0, 1.0, count - 1.0) else { return false };
@@ -495,23 +494,23 @@ pub fn above_zero(changes: &[f64], chance: f64) -> bool {
     mean > 0.0 && mean > distribution.inverse_cdf(1.0 - chance) * (variance / count).sqrt()
 }
 
-/// Root mean square, mean and largest of each sort of error.
+/// Root mean square, mean and largest of each kind of error.
 pub fn errors<'r>(residuals: impl IntoIterator<Item = &'r Residual>, scene: &Scene) -> Errors {
     let mut sums = ErrorSums::new(scene);
     residuals.into_iter().for_each(|residual| sums.add(residual));
     sums.errors()
 }
 
-/// What [`errors`] are counted from, residual by residual.
+/// The sums for [`errors`], updated residual by residual.
 #[derive(Debug, Clone)]
 pub struct ErrorSums<'s> {
     scene: &'s Scene,
-    /// Of each channel: how many, their sum, the sum of their squares, the largest.
+    /// For each channel: count, sum, sum of squares, maximum.
     of_channels: Vec<[f64; 4]>,
 }
 
 impl<'s> ErrorSums<'s> {
-    /// Of no residual yet.
+    /// Without residuals.
     pub fn new(scene: &'s Scene) -> Self {
         Self { scene, of_channels: vec![[0.0; 4]; scene.channels.len()] }
     }
@@ -531,7 +530,7 @@ impl<'s> ErrorSums<'s> {
         }
     }
 
-    /// Counts those that others counted.
+    /// Adds the sums of others.
     pub fn add_all(&mut self, others: &Self) {
         for (own, other) in self.of_channels.iter_mut().zip(&others.of_channels) {
             let [count, sum, squares, most] = own;
@@ -542,7 +541,7 @@ impl<'s> ErrorSums<'s> {
         }
     }
 
-    /// The errors of every sort of which there is a residual.
+    /// The errors of every kind that has a residual.
     pub fn errors(&self) -> Errors {
         let of = |(channel, [count, sum, squares, max]): (usize, &[f64; 4])| {
             (*count > 0.0).then(|| ErrorSummary {

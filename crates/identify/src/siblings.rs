@@ -1,7 +1,7 @@
-//! Robots made to one drawing: the coordinates in which they are put together, and the prior that comes of it.
+//! Robots made to one drawing: the coordinates in which they are pooled, and the resulting prior.
 //!
-//! Instrument and target stand elsewhere for each robot, and a fit holds the common motion of all axes by its own conditions. What
-//! robots share are therefore the directions that no common motion moves along, each in the drawing's tolerances.
+//! Instrument and target differ for each robot, and a fit holds the common motion of all axes by its own conditions. Robots
+//! therefore share only the directions orthogonal to common motions, each in the drawing's tolerances.
 
 use crate::information::Information;
 use crate::parameters::{Freedom, Layout, Parameter, Tolerances};
@@ -19,13 +19,13 @@ pub struct Drawing {
     unit: DVector<f64>,
     /// Orthonormal, a column for each coordinate.
     free: DMatrix<f64>,
-    /// What a standard deviation of each error that a robot may have by the drawing's tolerances moves, in the coordinates:
-    /// errors of one kind, a column for each.
+    /// Change of the coordinates by one standard deviation of each error that the drawing's tolerances allow: errors of one kind, a
+    /// column for each.
     pub sources: Vec<(SourceKind, DMatrix<f64>)>,
 }
 
 impl Drawing {
-    /// Of a chain whose axes are free, no scale and no pitch of a revolute joint.
+    /// For a chain with free axes, no scale and no pitch of a revolute joint.
     pub fn of(chain: &Chain) -> Self {
         let (freedom, tolerances) = (Freedom::axes(chain.joints().len()), Tolerances::default());
         let layout = Layout::new(chain, &Scene::default(), &freedom, &tolerances, Vec::new());
@@ -49,12 +49,12 @@ impl Drawing {
         }
     }
 
-    /// What the errors of each kind move, without their names.
+    /// The changes by the errors of each kind, without their names.
     pub fn moved(&self) -> Vec<DMatrix<f64>> {
         self.sources.iter().map(|(_, moved)| moved.clone()).collect()
     }
 
-    /// What a robot's rows say in the coordinates: information and pull. `None` where other parameters were fitted to them.
+    /// Information of a robot's rows in the coordinates: matrix and vector. `None` where other parameters were fitted to them.
     pub fn in_coordinates(&self, by: &Information) -> Option<(DMatrix<f64>, DVector<f64>)> {
         if by.parameters.len() != self.parameters.len() {
             return None;
@@ -67,7 +67,7 @@ impl Drawing {
         Some((self.free.transpose() * matrix * &self.free, self.free.tr_mul(&pull)))
     }
 
-    /// The prior of a robot that is expected at this mean, with this covariance, both in the coordinates.
+    /// The prior of a robot with this mean and covariance, both in the coordinates.
     pub fn prior(&self, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Earlier {
         let mean = (&self.free * mean).component_mul(&self.unit);
         let covariance = &self.free * covariance * self.free.transpose();

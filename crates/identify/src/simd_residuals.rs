@@ -1,9 +1,9 @@
-//! Residuals of geometry alone and their derivatives for several rows at a time, the SIMD rows: one in each lane of a vector of the machine.
+//! Residuals of geometry alone and their derivatives for several rows at a time, the SIMD rows: one in each lane of a SIMD vector.
 //!
-//! What is computed is that of [`ResidualModel::row_into`](crate::residual::ResidualModel::row_into) for poses and positions without effects,
+//! The computation is that of [`ResidualModel::row_into`](crate::residual::ResidualModel::row_into) for poses and positions without effects,
 //! arranged for speed. Each joint carries a frame (a, b, axis | centre), see [`AxisBasis`]; the way from one frame to the next
-//! is constant, the joint's motion turns a into b and shifts the centre along the axis. A change of an axis moves a
-//! point p by the difference of what it does before and after the joint's motion:
+//! is constant, the joint's motion rotates a towards b and shifts the centre along the axis. A change of an axis moves a
+//! point p by the difference of its effects before and after the joint's motion:
 //!
 //! ```text
 //! turned about a    (a - a') × (p - c) + (c - c') × a'       moved along a    a - a'         ' after the motion
@@ -19,7 +19,7 @@ use denavit_model::{ChainJoint, Pose, Screw, Tip, se3};
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _, SimdMask as _};
 use std::ops::Range;
 
-/// Below this sine of a residual's angle the series stand for arcsine and the inverse Jacobian of SO(3), to rounding.
+/// Below this sine of a residual's angle, series replace the arcsine and the inverse Jacobian of SO(3), to rounding.
 const SMALL: f64 = 0.03;
 
 /// One joint, its frame seen from the frame before.
@@ -52,7 +52,7 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// `None` for an arm without joints, for kinds without SIMD residuals, and where some values are surer than others.
+    /// `None` for an arm without joints, for kinds without SIMD residuals, and where values have different standard deviations.
     pub(crate) fn of(arm: &Arm, bases: &[AxisBasis], data: &Measurements) -> Option<Self> {
         let unknown = data.scene.series.iter().any(|series| !series.kind.has_simd_residuals());
         if arm.joints.is_empty() || unknown || data.observed.has_levels() {
@@ -98,10 +98,10 @@ struct Frame<S: Simd> {
     origin: Triple<S>,
 }
 
-/// A joint for each SIMD row: its frame before the motion, and what the motion did.
+/// A joint for each SIMD row: its frame before the motion, and the change by the motion.
 #[derive(Clone, Copy)]
 struct Moved<S: Simd> {
-    /// Directions a and b before less after.
+    /// Directions a and b before minus after.
     less: [Triple<S>; 2],
     after: [Triple<S>; 2],
     axis: Triple<S>,
@@ -292,7 +292,7 @@ pub(crate) fn rows<S: Simd>(
     }
 }
 
-/// Derivative of a residual of the place by what is no joint's parameter: of the instrument, which reads `measured` (base
+/// Derivative of a position residual by parameters other than a joint's: of the instrument, which reads `measured` (base
 /// frame, m), and of the target.
 #[inline(always)]
 fn rest_of_place<S: Simd>(
@@ -321,7 +321,7 @@ fn rest_of_place<S: Simd>(
     }
 }
 
-/// From the base to the tip; leaves in `joints` what each joint on the way did.
+/// From the base to the tip; stores the motion of each joint on the way in `joints`.
 #[inline(always)]
 fn walk<S: Simd>(
     simd: S,
@@ -367,7 +367,7 @@ fn place_rate<S: Simd>(
         ParameterKind::Turn { joint, direction } => {
             let moved = &joints[joint];
             let swung = cross::<S>(moved.less[direction], less::<S>(p, moved.centre));
-            // c - c' is the axis times less the slide.
+            // c - c' is minus the slide times the axis.
             let back = cross::<S>(moved.axis, moved.after[direction]);
             each::<S>(|k| back[k].mul_add(-moved.slide, swung[k]))
         }
@@ -448,7 +448,7 @@ mod tests {
     use denavit_measurements::kinds::ObservationKind;
     use denavit_model::{Pose, examples};
 
-    /// Nothing, but asked row by row.
+    /// No effects, but computed row by row.
     #[derive(Clone)]
     struct RowByRow;
 
@@ -494,7 +494,7 @@ mod tests {
                 let layout = Layout::new(&chain, &data.scene, &freedom, &tolerances, Vec::new());
                 let mut weights: Vec<f64> = (0..data.observations()).map(|k| 1.0 - 0.01 * k as f64 / 77.0).collect();
                 weights[5] = 0.0;
-                // The true arm leaves noise alone; with the instrument as drawn, residuals are as large as they get.
+                // With the true arm residuals are noise; with the instrument as drawn they are as large as possible.
                 for arm in
                     [simulation.arm.clone(), Arm { instruments: vec![Pose::identity()], ..simulation.arm.clone() }]
                 {

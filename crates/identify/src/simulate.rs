@@ -1,4 +1,4 @@
-//! Measurement files for trials and teaching: a robot that differs from its drawing, an instrument, noise. Seeded.
+//! Simulated measurement files: a robot that differs from its drawing, an instrument, noise. Seeded.
 
 pub mod columns;
 mod contact;
@@ -37,25 +37,25 @@ pub struct SimulationOptions {
     pub seed: u64,
     /// Standard deviation of the change of each axis' direction, rad.
     pub turn: f64,
-    /// Standard deviation of the change of each axis' place, m.
+    /// Standard deviation of the change of each axis' position, m.
     pub shift: f64,
     /// Standard deviation of the noise of one position component or distance, m.
     pub noise_position: f64,
     /// Standard deviation of the noise of one rotation vector component, rad.
     pub noise_orientation: f64,
-    /// Standard deviation of the noise along the instrument's line of sight, m, beside that of all components.
+    /// Standard deviation of additional noise along the instrument's line of sight, m.
     pub noise_range: f64,
-    /// Standard deviation of the noise of the direction in which the instrument sees the target, rad.
+    /// Standard deviation of the noise of the direction from the instrument to the target, rad.
     pub noise_angle: f64,
-    /// Standard deviation with which each coordinate comes back to its reading, rad or m; empty where it does so exactly.
+    /// Repeatability of each coordinate, rad or m: standard deviation about its reading; empty where exact.
     pub repeatability: Vec<f64>,
-    /// Camera and board, for what sees the corners of a board; rows that do not see enough of it are left out.
+    /// Camera and board, for kinds that see the corners of a board; rows that do not see enough of it are left out.
     pub sight: Option<Sight>,
     /// Standard deviation of the noise of a pixel's component, px.
     pub noise_pixel: f64,
-    /// Share of rows with a gross error of 5 to 50 mm.
+    /// Fraction of rows with a gross error of 5 to 50 mm.
     pub outliers: f64,
-    /// Numeric columns that come along, one value per row each.
+    /// Additional numeric columns, one value per row each.
     pub covariates: Vec<Covariate>,
     /// Joint readings, one value per coordinate and row (rad, m), instead of random ones within the limits.
     pub readings: Option<Vec<Vec<f64>>>,
@@ -90,7 +90,7 @@ impl Default for SimulationOptions {
     }
 }
 
-/// How far a base is mounted from upright, about each of two axes, rad: standard deviation.
+/// Standard deviation of the tilt of a mounted base, about each of two axes, rad.
 const LEAN: f64 = 0.02;
 
 impl SimulationOptions {
@@ -105,7 +105,7 @@ impl SimulationOptions {
     }
 }
 
-/// A simulated run: the data, and the arm that they came from.
+/// A simulated run: the data, and their true arm.
 #[derive(Debug, Clone)]
 pub struct Simulation {
     /// The true arm.
@@ -118,7 +118,7 @@ pub struct Simulation {
 
 /// Draw a true arm near the nominal one, and measure it.
 ///
-/// What is drawn depends on the seed and the options alone, not on the effects.
+/// The random draws depend on the seed and the options, not on the effects.
 pub fn simulate<E: Effects>(chain: &Chain, options: &SimulationOptions, effects: &E) -> Simulation {
     let mut random = ChaCha8Rng::seed_from_u64(options.seed);
     let arm = draw_arm(chain, options, &mut random);
@@ -141,7 +141,7 @@ pub fn readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
 /// The same into a slice, row by row.
 pub fn readings_into(chain: &Chain, seed: u64, readings: &mut [f64]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    // Not the numbers that the arm and the noise are drawn from.
+    // A different stream from that of the arm and the noise.
     random.set_stream(1 << 33);
     for row in readings.chunks_exact_mut(chain.coordinates().len().max(1)) {
         for (value, coordinate) in row.iter_mut().zip(chain.coordinates()) {
@@ -150,13 +150,13 @@ pub fn readings_into(chain: &Chain, seed: u64, readings: &mut [f64]) {
     }
 }
 
-/// The same as a controller is told them: rounded to 1 µrad and 1 µm, where the robot then is.
+/// The same as controller commands: rounded to 1 µrad and 1 µm, the robot's actual values.
 pub fn commanded_readings(chain: &Chain, rows: usize, seed: u64) -> Vec<Vec<f64>> {
     let rounded = |reading: Vec<f64>| reading.iter().map(|value| (value * 1e6).round() / 1e6).collect();
     readings(chain, rows, seed).into_iter().map(rounded).collect()
 }
 
-/// Measured values with the digits that an instrument of this noise shows: two beyond it. Without noise, all digits.
+/// Measured values with the digits that an instrument of this noise shows: two more than its noise. Without noise, all digits.
 pub fn as_displayed(data: &Measurements, options: &SimulationOptions) -> Measurements {
     let mut data = data.clone();
     let shown = |value: f64| {
@@ -186,7 +186,7 @@ fn normal_vector(random: &mut ChaCha8Rng, deviation: f64) -> Vector3<f64> {
     Vector3::new(normal(random, deviation), normal(random, deviation), normal(random, deviation))
 }
 
-/// What is seen: the corners of the board, or this many targets.
+/// The observed scene: the corners of the board, or this many targets.
 fn scene(options: &SimulationOptions, targets: usize) -> Scene {
     if let Some(tips) = options.tips.as_ref().filter(|tips| tips.several()) {
         return Scene::on_tips(options.kind, tips, if options.kind.of_several() { targets } else { 1 });
@@ -283,7 +283,7 @@ fn gross_error(options: &SimulationOptions, random: &mut ChaCha8Rng) -> (bool, V
     (gross, if gross { error } else { Vector3::zeros() })
 }
 
-/// Puts every coordinate beside its reading by as much as it does not come back to it.
+/// Shifts every coordinate from its reading by a random repeatability error.
 fn come_back(arm: &Arm, repeatability: &[f64], perturbation: &mut Perturbation, random: &mut ChaCha8Rng) {
     for (coordinate, deviation) in repeatability.iter().enumerate() {
         let beside = normal(random, *deviation);
@@ -293,8 +293,8 @@ fn come_back(arm: &Arm, repeatability: &[f64], perturbation: &mut Perturbation, 
     }
 }
 
-/// Adds what an instrument that reads a range and two angles makes of its own noise: along the line of sight, and across it as
-/// much more as the target is away.
+/// Adds the noise of an instrument that reads a range and two angles: along the line of sight, and across it in
+/// proportion to the distance.
 fn misread(values: &mut [f64], options: &SimulationOptions, random: &mut ChaCha8Rng) {
     let place = Vector3::new(values[0], values[1], values[2]);
     let distance = place.norm();
@@ -310,7 +310,7 @@ fn misread(values: &mut [f64], options: &SimulationOptions, random: &mut ChaCha8
     }
 }
 
-/// Puts in what the instrument reads in a row, noise and a gross error added.
+/// Adds the instrument's readings in a row, with noise and a gross error.
 #[expect(clippy::too_many_arguments, reason = "it is one step of the loop above")]
 fn observe(
     arm: &Arm,
@@ -352,7 +352,7 @@ fn unmeasured(arm: &Arm, options: &SimulationOptions, readings: &[Vec<f64>]) -> 
     let nothing = vec![0.0; options.kind.numbers()];
     let touches = options.kind.holds_the_target();
     if touches {
-        // The column that tells the planes apart.
+        // The column that identifies the planes.
         let name = options.kind.label().unwrap_or("setup").to_owned();
         let planes = data.scene.setups.iter().map(|setup| setup.split(' ').next().unwrap_or("").to_owned());
         data.labels.push(Label { name, values: planes.cycle().take(readings.len()).collect() });

@@ -25,12 +25,12 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Equal to a hundredth: the prior's weight will not change any more.
+    /// Equal to a hundredth: the prior's weight no longer changes.
     fn near(&self, other: &Self) -> bool {
         self.levels.iter().zip(&other.levels).all(|(a, b)| (a - b).abs() <= 0.01 * b)
     }
 
-    /// The level of the channel that comes first: that of lengths, m.
+    /// The level of the first channel, that of lengths, m.
     pub fn first(&self) -> f64 {
         self.levels.first().copied().unwrap_or(0.0)
     }
@@ -51,13 +51,13 @@ impl Noise {
 /// How a fit treats outliers, and when it stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
-    /// Weigh down and then reject what lies far outside the noise.
+    /// Weigh down and then reject observations far outside the noise.
     pub robust: bool,
     /// Stop after this many steps.
     pub most_iterations: usize,
     /// Predicted decrease of χ² below which no further step is taken.
     pub least_promise: f64,
-    /// Tolerances may be as wide as the data show; else they are the drawing's.
+    /// Whether the data may widen the drawing's tolerances.
     pub widen: bool,
 }
 
@@ -76,7 +76,7 @@ pub struct Fit<E> {
     pub effects: E,
     /// Which numbers were free.
     pub layout: Layout,
-    /// Noise of one component, freed of the parameters' share.
+    /// Noise of one component, corrected for the number of parameters.
     pub noise: Noise,
     /// 1 or, for rejected observations, 0.
     pub weights: Vec<f64>,
@@ -84,18 +84,18 @@ pub struct Fit<E> {
     pub squares: Vec<[f64; 2]>,
     /// Covariance of the parameters, in their units, the common frame held (see [`gauge`]).
     pub covariance: DMatrix<f64>,
-    /// Parameters that the data pay for: the trace of the hat matrix, by channel.
+    /// Effective number of parameters: the trace of the hat matrix, by channel.
     pub parameters_used: Vec<f64>,
     /// Values measured and kept, by channel.
     pub values: Vec<f64>,
     /// Steps taken.
     pub iterations: usize,
-    /// Normal equations that were formed: one for each step that was tried, one for each placement of frames and targets anew, one for
-    /// each change of the weights.
+    /// Number of normal equations formed: one per trial step, one per new placement of frames and targets, one per change of the
+    /// weights.
     pub jacobians: usize,
-    /// Whether what is left to gain is too small to matter.
+    /// Whether the remaining decrease of the objective is negligible.
     pub converged: bool,
-    /// What is left to gain, where the fit did not converge.
+    /// The remaining decrease, where the fit did not converge.
     pub unfinished: Option<Unfinished>,
 }
 
@@ -109,65 +109,65 @@ pub struct Unfinished {
     pub parameters: Vec<String>,
 }
 
-/// Always added to the diagonal, which is scaled to 1: holds what the data do not see at all, biases nothing.
+/// Always added to the diagonal, which is scaled to 1: fixes unobservable directions, without bias.
 const LEAST_DAMPING: f64 = 1e-12;
 /// Damping of the first step, in units of the prior's precision: far less than the prior itself.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Damping after a step that fails is at least this.
 const LEAST_AFTER_FAILURE: f64 = 1e-3;
-/// Damping after a step that fails, relative to that before; its inverse after one that does what was predicted.
+/// Ratio of the damping after a failed step to that before; its inverse after a well predicted step.
 const DAMPING_RATIO: f64 = 10.0;
 /// Steps tried from one state: the damping of the last is 1e9 times the prior's precision.
 const MOST_TRIALS: usize = 12;
-/// Share of the predicted decrease from which on the prediction is good: the damping falls.
+/// Fraction of the predicted decrease above which the prediction is good: the damping falls.
 const PREDICTED_WELL: f64 = 0.5;
-/// Share of the predicted decrease below which the prediction is bad: the damping grows though the step is taken.
+/// Fraction of the predicted decrease below which the prediction is bad: the damping grows although the step is accepted.
 const PREDICTED_BADLY: f64 = 0.1;
-/// Share of the predicted decrease from which on frames and targets need no placement anew: the problem is nearly linear there.
+/// Fraction of the predicted decrease above which frames and targets need no new placement: the problem is nearly linear there.
 const NEARLY_LINEAR: f64 = 0.9;
-/// A number of an effect counts as large where it moves what is measured by this, root mean square, m or rad: a tolerance of geometry.
+/// Root mean square motion of the measured values by a large coefficient of an effect, m or rad: a tolerance of geometry.
 const LARGE_EFFECT: f64 = 1e-3;
 /// Weight of the gauge's conditions relative to the scaled diagonal.
 const GAUGE_WEIGHT: f64 = 10.0;
-/// Share of the nominal robot's residual that the first step takes for noise. Where prior and data disagree two noise
-/// levels can explain themselves; from below the data's is found.
+/// Noise of the first step as a fraction of the nominal robot's residual. Where prior and data disagree, two noise levels can be
+/// self-consistent; starting from below finds that of the data.
 const TRUST_AT_START: f64 = 0.03;
-/// Noise is never taken to be smaller than this share of the robot's size: rounding.
+/// Smallest noise as a fraction of the robot's size: rounding.
 const ROUNDING: f64 = 1e-14;
-/// χ² of a step after which the next is small beside a change of the weights.
+/// Predicted decrease of χ² below which the next step matters less than a change of the weights.
 const PROMISE_NEAR_END: f64 = 1e3;
-/// χ² that a step may still promise when outliers are told from the rest for good: a standard deviation, squared.
+/// Predicted decrease of χ² at which outliers are finally rejected: a standard deviation, squared.
 const PROMISE_FOR_REJECTION: f64 = 1.0;
-/// Predicted decrease of χ² at the end where nothing else is asked: a thirtieth of a standard deviation, squared.
+/// Default predicted decrease of χ² at the end: a thirtieth of a standard deviation, squared.
 const PROMISE_AT_END: f64 = 1e-3;
 /// A fit has converged where the undamped step predicts a smaller decrease of χ²: no parameter moves by its standard deviation.
 const PROMISE_OF_A_RESULT: f64 = 1.0;
-/// Parameters that the report of a fit that did not converge names.
+/// Number of parameters that the report of an unconverged fit names.
 const NAMED_WHEN_UNFINISHED: usize = 4;
-/// Steps are alike if the square of the cosine between them is this much; they follow each other as powers of a share if that is between these.
+/// Steps form a geometric sequence if the squared cosine between them exceeds `ALIKE` and their ratio is in `SHARE`.
 const ALIKE: f64 = 0.9;
 const SHARE: std::ops::Range<f64> = 0.1..0.9;
-/// One robot in twenty whose errors are those of its drawing has them taken for larger.
+/// False positive rate of the test whether a robot's errors exceed its drawing's tolerances.
 const FALSELY_WIDER: f64 = 0.05;
-/// Variance of the axes' errors over the tolerances', at most: one robot in twenty has more. A fit begins with it, so that a robot far outside
-/// its tolerances is not taken for a noisy one.
+/// Largest ratio of the variance of the axes' errors to the tolerances': one robot in twenty has more. A fit starts with it, so that errors
+/// far outside the tolerances are not explained as noise.
 const WIDEST: f64 = 10.0;
-/// Widths that differ by less than this share are the same.
+/// Widths that differ by less than this fraction are the same.
 const SAME_WIDTH: f64 = 0.02;
-/// Measured values beyond the parameters that it takes to tell the noise.
+/// Degrees of freedom needed to estimate the noise.
 pub const DEGREES_FOR_NOISE: f64 = 6.0;
-/// Noise that is taken where the data have too few degrees of freedom to tell it: share of the robot's size (a tenth of a
-/// millimetre on a metre, what instruments and repeatability make together) and rad.
+/// Noise that is assumed where the data have too few degrees of freedom to estimate it: fraction of the robot's size (a tenth of a
+/// millimetre on a metre, typical of instruments and repeatability together) and rad.
 pub const ASSUMED_NOISE: f64 = 1e-4;
-/// One clean file in a hundred may have a row that far out.
+/// Probability that a clean file has a rejected row.
 pub const FALSE_REJECTIONS: f64 = 0.01;
-/// Gross means this many times further out than that: what the model lacks is no outlier.
+/// A gross outlier is this many times further out than that: errors of the model are not outliers.
 pub const GROSS: f64 = 1.5;
-/// If more than this share lies outside, it is not outliers.
+/// If more than this fraction is outside, the observations are not outliers.
 const MOST_REJECTIONS: f64 = 0.3;
 
 impl<E> Fit<E> {
-    /// The same fit, seen as that of a model of effects which has none beside what is known from earlier.
+    /// The same fit, as that of a model with no effects but the earlier calibration's.
     pub fn with_model(&self, statics: &Statics, earlier: Option<&Arc<EffectModel>>) -> Fit<EffectModel> {
         Fit {
             arm: self.arm.clone(),
@@ -193,12 +193,12 @@ struct System {
     gradient: DVector<f64>,
     scale: DVector<f64>,
     /// Precision of each y by which a step is damped: 1 for each axis parameter in its tolerance, 1 for frames and targets in m and rad.
-    /// The diagonal of the normal equations in its place would hardly damp weak, curved directions.
+    /// The diagonal of the normal equations would hardly damp weak, nonlinear directions.
     damped: DVector<f64>,
     gauge: Option<DMatrix<f64>>,
 }
 
-/// A step that was taken as it was found, each number in its unit.
+/// The last undamped step, each number in its unit.
 type Last = Option<Vec<f64>>;
 
 struct State<E> {
@@ -210,9 +210,9 @@ struct State<E> {
 
 /// Fit the free numbers of `layout` to the data, starting at `arm`.
 ///
-/// Minimises Σ w |r|²/σ² + δᵀ P δ, σ estimated from the residuals by channel, δ the axes' deviation from what is expected
-/// of them, P how firmly it is ([prior](crate::prior)). The deviation of the
-/// targets, where the gauge asks for it, is taken from the `arm` given.
+/// Minimises Σ w |r|²/σ² + δᵀ P δ, σ estimated from the residuals by channel, δ the axes' deviation from the prior mean,
+/// P the [prior](crate::prior)'s precision. The deviation of the targets, where the gauge needs it, is relative to
+/// the given `arm`.
 ///
 /// # Shape and units
 /// `weights`: one per observation, 0 for what is to be left out from the start.
@@ -237,11 +237,11 @@ struct Solver<'a> {
     jacobians: Cell<usize>,
 }
 
-/// A step that was tried.
+/// A trial step.
 struct Step<E> {
-    /// Where it leads; `None` where no step lowers the objective.
+    /// The next state; `None` where no step lowers the objective.
     next: Option<State<E>>,
-    /// Decrease of χ² that was predicted.
+    /// Predicted decrease of χ².
     promise: f64,
     /// The same of the step without damping.
     undamped: f64,
@@ -257,7 +257,7 @@ impl Solver<'_> {
         let mut used = self.unused();
         let mut robust = self.options.robust;
         let mut noise = self.noise_of(&state.sums.squares, &weights, &used, robust);
-        // The nominal robot's residual is not noise: trust the data more than that in the first step.
+        // The nominal robot's residual is not noise: give the data more weight in the first step.
         noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
         let (mut damping, mut iterations, mut rounds, mut exact) = (FIRST_DAMPING, 0, 0, false);
         let mut last = None;
@@ -282,7 +282,7 @@ impl Solver<'_> {
                 } else {
                     weights = self.downweighted(&state.sums.squares, given, &noise);
                     if promise < PROMISE_NEAR_END {
-                        // The next step gains less than other weights change: sums with the old ones would mislead it.
+                        // New weights matter more than the next step: sums with the old weights would mislead it.
                         state = self.evaluate(state.arm, state.effects, &weights);
                     }
                 }
@@ -316,7 +316,7 @@ impl Solver<'_> {
                 state = self.evaluate(state.arm, state.effects, &weights);
             }
             if stuck || promise < least {
-                // The damping is what made the step short.
+                // The damping made the step short.
                 damping = FIRST_DAMPING;
             }
         }
@@ -349,14 +349,14 @@ impl Solver<'_> {
         }
     }
 
-    /// What is left to gain at a state; `None` where that is less than matters.
+    /// The remaining decrease at a state; `None` where it is negligible.
     fn unfinished<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<Unfinished> {
         let system = self.system(state, noise);
         let Some(full) = system.solve(0.0) else {
             return Some(Unfinished { promise: f64::NAN, parameters: Vec::new() });
         };
         let promise = system.decrease(&full);
-        // Not a number is no result, either.
+        // NaN is not a result, either.
         if promise < PROMISE_OF_A_RESULT {
             return None;
         }
@@ -387,17 +387,17 @@ impl Solver<'_> {
         State { arm, effects, sums, prior }
     }
 
-    /// What the priors charge.
+    /// The cost of the priors.
     fn charged<E: Effects>(&self, arm: &Arm, effects: &E) -> f64 {
         let known: f64 = self.known(arm, effects).iter().map(|known| known.residual.powi(2)).sum();
         self.layout.prior_cost(arm, &self.reference) + known
     }
 
-    /// How many times the variance of the drawing's tolerances the axes' errors have: 1 where chance explains how large they are; none where
-    /// others expect something of them.
+    /// Ratio of the variance of the axes' errors to that of the drawing's tolerances: 1 where chance explains their size; none where there is
+    /// another prior.
     ///
     /// With γ the number of parameters that the data determine and c² = δᵀ P δ, P by the drawing, the likelihood is largest where c² = κ² γ
-    /// (MacKay 1992, "Bayesian interpolation", eq. 28); of κ is expected what averaging expects of it.
+    /// (MacKay 1992, "Bayesian interpolation", eq. 28); κ has the same prior as in averaging.
     fn as_wide<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<f64> {
         if !self.may_be_wide() {
             return None;
@@ -416,7 +416,7 @@ impl Solver<'_> {
         Some((squares / (determined + 0.5 * prior.widened.ln() / SHARE_USED.powi(2))).clamp(1.0, WIDEST))
     }
 
-    /// Whether the axes may be further off than the drawing's tolerances have them: nothing else is known of them.
+    /// Whether the axes' errors may exceed the drawing's tolerances: only without other knowledge of them.
     fn may_be_wide(&self) -> bool {
         self.options.widen
             && !self.layout.joints.is_empty()
@@ -474,7 +474,7 @@ impl Solver<'_> {
         System { matrix, gradient, scale, damped, gauge }
     }
 
-    /// Inverse of what is a large change of a parameter: its tolerance; 1 m or 1 rad of frames and targets; of an effect's number what
+    /// Inverse of a large change of a parameter: its tolerance; 1 m or 1 rad for frames and targets; for an effect's number the change that
     /// moves the measured values by [`LARGE_EFFECT`].
     fn precision<E>(&self, index: usize, state: &State<E>) -> f64 {
         if self.layout.effects.contains(&index) {
@@ -522,7 +522,7 @@ impl Solver<'_> {
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let mut next = self.evaluate(arm, effects, weights);
             let mut after = self.objective(&next, weights, noise);
-            // What is no number counts as failed.
+            // NaN counts as failed.
             let as_predicted = before - after >= NEARLY_LINEAR * promise;
             if !as_predicted && let Some(placed) = self.placed_anew(&next, noise, weights) {
                 let found = self.objective(&placed, weights, noise);
@@ -551,8 +551,8 @@ impl Solver<'_> {
         Step { next: None, promise, undamped }
     }
 
-    /// The state with frames and targets moved to where they fit best for the axes and effects that it has, to first order; `None` where
-    /// nothing else is free or nothing is gained.
+    /// The state with frames and targets at their best fit for its axes and effects, to first order; `None` where nothing else is free
+    /// or there is no gain.
     fn placed_anew<E: Effects>(&self, state: &State<E>, noise: &Noise, weights: &[f64]) -> Option<State<E>> {
         let n = self.layout.len();
         let first = self.layout.effects.end;
@@ -575,7 +575,7 @@ impl Solver<'_> {
         Some(self.evaluate(arm, state.effects.clone(), weights))
     }
 
-    /// The least noise that there can be.
+    /// The smallest possible noise.
     fn rounding(&self) -> Noise {
         let least = |part: &Part| if part.unit == "m" { ROUNDING * self.reference.nominal.size() } else { ROUNDING };
         Noise { levels: self.scene().channels.iter().map(least).collect() }
@@ -587,7 +587,7 @@ impl Solver<'_> {
     }
 
     /// Noise of one component by channel: from the median while outliers are still in, else from the sum of squares
-    /// over the degrees of freedom that the parameters leave.
+    /// over the remaining degrees of freedom.
     fn noise_of(&self, squares: &[[f64; 2]], weights: &[f64], used: &[f64], robust: bool) -> Noise {
         let mut noise = self.rounding();
         for (channel, level) in noise.levels.iter_mut().enumerate() {
@@ -606,7 +606,7 @@ impl Solver<'_> {
                     sum += weight * square;
                     count += weight * degrees;
                 }
-                // Where few degrees of freedom are left, an assumed noise stands in for those that are missing.
+                // Where few degrees of freedom remain, an assumed noise replaces the missing ones.
                 let missing = missing_degrees(count, used[channel]);
                 let lengths = self.scene().channels[channel].unit == "m";
                 let assumed = ASSUMED_NOISE * if lengths { self.reference.nominal.size() } else { 1.0 };
@@ -617,13 +617,13 @@ impl Solver<'_> {
         noise
     }
 
-    /// For each series, the χ² that an observation of it passes with this probability.
+    /// For each series, the χ² quantile of an observation at this probability.
     fn limits(&self, share: f64) -> Vec<f64> {
         let degrees = |series: &Series| quantile_of_chi_squared(series.kind.height() as f64, share);
         self.scene().series.iter().map(degrees).collect()
     }
 
-    /// Huber's weights, for what lies outside 99 % of the noise.
+    /// Huber's weights, for observations outside 99 % of the noise.
     fn downweighted(&self, squares: &[[f64; 2]], given: &[f64], noise: &Noise) -> Vec<f64> {
         let limits = self.limits(0.99);
         let weight = |at: usize, size: f64| {
@@ -661,7 +661,7 @@ impl Solver<'_> {
         let n = self.layout.len();
         let mut covariance = system.inverse();
         if let Some(conditions) = &system.gauge {
-            // The limit of ever heavier conditions: they hold exactly.
+            // The limit of infinite weight of the conditions: they hold exactly.
             let along = &covariance * conditions;
             let inverse = symmetric::inverse(&(conditions.transpose() * &along), 0.0);
             covariance -= &along * inverse * along.transpose();
@@ -698,8 +698,8 @@ impl System {
         step.iter().all(|x| x.is_finite()).then_some(step)
     }
 
-    /// The covariance of the y. Directions that rounding leaves without a positive precision get the variance of the least damping: the
-    /// data say nothing of them. Not a number where the equations hold such.
+    /// The covariance of the y. Directions without a positive precision, due to rounding, get the variance of the least damping: the
+    /// data do not determine them. NaN where the equations contain NaN.
     fn inverse(&self) -> DMatrix<f64> {
         let matrix = self.damped(0.0);
         let size = matrix.nrows();
@@ -710,8 +710,8 @@ impl System {
     }
 }
 
-/// Where a step is a share of the last one, and so will be the next of it, that share: what effects do to the loads that drive them is not in
-/// the derivatives, so steps fall short of where they lead to, or go beyond. All that are to come add up to this step over 1 - share (Aitken).
+/// The ratio of a step to the last one, where steps form a geometric sequence: the derivatives lack the effects' influence on their own
+/// loads, so steps are too short or too long. All steps to come add up to this step over 1 - ratio (Aitken).
 fn share_of(step: &[f64], last: &[f64], scale: &DVector<f64>) -> Option<f64> {
     let product =
         |a: &[f64], b: &[f64]| a.iter().zip(b).zip(scale.iter()).map(|((a, b), s)| a * b / (s * s)).sum::<f64>();
@@ -720,12 +720,12 @@ fn share_of(step: &[f64], last: &[f64], scale: &DVector<f64>) -> Option<f64> {
     (along * along > ALIKE * own * square && SHARE.contains(&share.abs())).then_some(share)
 }
 
-/// Degrees of freedom that must be assumed beside `count` values of which the parameters use `used`.
+/// Degrees of freedom that must be assumed, with `count` values of which the parameters use `used`.
 pub(crate) fn missing_degrees(count: f64, used: f64) -> f64 {
     if count == 0.0 { 0.0 } else { (DEGREES_FOR_NOISE - (count - used)).max(0.0) }
 }
 
-/// Indices of squared residuals (m² and rad²), each with the index of its series, that are gross outliers beside the median
+/// Indices of squared residuals (m² and rad²), each with the index of its series, that are gross outliers relative to the median
 /// of their channel.
 pub fn outside(scene: &Scene, squares: &[(usize, [f64; 2])]) -> Vec<usize> {
     let level = |(channel, part): (usize, &Part)| {
@@ -796,7 +796,7 @@ mod tests {
         for share in [0.5, -0.6, 0.15] {
             assert!((share_of(&times(share), &last, &scale).unwrap() - share).abs() < 1e-12);
         }
-        // Too little to be told from none, growing, or another way.
+        // Too small to distinguish from 0, growing, or in another direction.
         assert_eq!(share_of(&times(0.02), &last, &scale), None);
         assert_eq!(share_of(&times(1.2), &last, &scale), None);
         assert_eq!(share_of(&[0.4, 2e-4, 1.0], &last, &scale), None);

@@ -1,14 +1,14 @@
-//! Inverses and factors of symmetric matrices that are positive definite but for rounding.
+//! Inverses and factors of symmetric matrices that are positive definite up to rounding.
 
 use denavit_model::nalgebra::DMatrix;
 
 /// Inverse of a covariance or a precision.
 ///
-/// Where rounding left it not positive definite, eigenvalues are raised to `least` (or to the rounding of the largest, if that is more):
-/// such a direction is known that well, and no better. Not a number throughout where the matrix holds what is no number.
+/// If rounding made it indefinite, eigenvalues are raised to `least` (or to the rounding of the largest, if that is more), which limits
+/// the precision of a direction. NaN throughout where the matrix contains NaN.
 ///
 /// # Shape and units
-/// Rows and columns brought to one size, such as tolerances; `least` in that unit, squared.
+/// Rows and columns scaled to one unit, such as tolerances; `least` in that unit, squared.
 pub(crate) fn inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     match matrix.clone().cholesky() {
         Some(factor) => factor.inverse(),
@@ -16,7 +16,7 @@ pub(crate) fn inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     }
 }
 
-/// Lower triangle L with L Lᵀ the matrix, raised as in `inverse`; not a number throughout where the matrix holds what is no number.
+/// Lower triangle L with L Lᵀ the matrix, raised as in `inverse`; NaN throughout where the matrix contains NaN.
 pub fn lower(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let raised = || by_eigenvalues(matrix, least, |value| value);
     let factor = matrix.clone().cholesky().or_else(|| raised().cholesky());
@@ -43,7 +43,7 @@ mod tests {
         let matrix = DMatrix::from_row_slice(2, 2, &[1.0, 1.0 + 1e-12, 1.0 + 1e-12, 1.0]);
         assert!(matrix.clone().cholesky().is_none());
         let inverse = inverse(&matrix, 1e-6);
-        // Along (1, -1)/√2 the variance is the least one.
+        // Along (1, -1)/√2 the variance is `least`.
         assert!((inverse[(0, 0)] - inverse[(0, 1)] - 1e6).abs() < 1.0, "{inverse}");
         let lower = lower(&matrix, 1e-6);
         assert!((&lower * lower.transpose() - matrix).amax() < 1e-6);

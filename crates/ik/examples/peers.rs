@@ -1,10 +1,10 @@
-//! Solves poses of one arm: what `tests/oracle/ik_peers.py` compares with other solvers.
+//! Solves poses of one arm, for `tests/oracle/ik_peers.py`, which compares the solutions with other solvers.
 //!
-//! `peers ARM POSES SOLUTIONS [TIMES]`: ARM has, as numbers in a text, direction and point of each axis (rad, m), then the home pose's
+//! `peers ARM POSES SOLUTIONS [TIMES]`: the text file ARM has the direction and a point of each axis (rad, m), then the home pose's
 //! 16 numbers, row by row. POSES has rows of joint values, 8 bytes a number. SOLUTIONS gets a row for each solution: the pose's index,
-//! then the joint values. The poses are solved TIMES more, which costs nothing else: the difference of two runs is the solver's time.
+//! then the joint values. The poses are solved TIMES more without other work: the difference of two runs is the solver's time.
 
-#![expect(clippy::print_stdout, reason = "what it prints is all that it is for")]
+#![expect(clippy::print_stdout, reason = "printing is its purpose")]
 
 use denavit_ik::{Solutions, Solver};
 use denavit_model::chain::{ChainJoint, Coordinate, Quantity};

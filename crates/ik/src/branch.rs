@@ -3,7 +3,7 @@
 use crate::arm::Axis;
 use std::fmt;
 
-/// Which of the arm's postures a solution is: by the signs of the factors whose zeros are its singularities.
+/// The branch of a solution, by the signs of the factors whose zeros are the arm's singularities.
 ///
 /// For an arm with a vertical first axis whose second and third turn about the same horizontal direction these are the words of
 /// the field; for others they still name each branch of the classes with eight of them.
@@ -13,7 +13,7 @@ pub struct Branch {
     pub front: bool,
     /// The elbow is above the line from shoulder to wrist, seen along the second axis.
     pub elbow_up: bool,
-    /// The last but one joint is on the other side of its zero.
+    /// The second-last joint is on the other side of its zero.
     pub flipped: bool,
 }
 
@@ -27,7 +27,7 @@ impl fmt::Display for Branch {
 }
 
 impl Branch {
-    /// The branch of an arm whose axes are there, in order from the end at which its class stands.
+    /// The branch of an arm with these axes, in order from the end that its class is defined from.
     pub(crate) fn of(axes: [&Axis; 6], wrist: bool) -> Self {
         let [first, second, third, fourth, fifth, sixth] = axes;
         // The elbow bends towards the wrist's centre, or towards the last of the parallel axes.

@@ -78,7 +78,7 @@ impl Line {
             angles.push(direction.plus(-half));
         } else if k.abs() <= length * (1.0 + slack) {
             let nearest = if k > 0.0 { direction.value } else { direction.value + PI };
-            // An arm that is not quite the drawn one may have two angles here: as far apart as those that are missing.
+            // An arm that differs slightly from the nominal one may have two angles here: as far apart as those that are missing.
             let half = if slack > EXACT { (2.0 * (k.abs() / length - 1.0)).sqrt().max(1e-3) } else { 0.0 };
             angles.push(Angle::at(nearest + half));
             if half > 0.0 {

@@ -1,11 +1,11 @@
-//! Which closed form an arm has, read off its screw axes.
+//! The closed form of an arm, found from its screw axes.
 
 use crate::arm::SixR;
 use denavit_model::nalgebra::{Matrix3, Vector3};
 
-/// Axes that miss parallel by less than this, rad, are solved as parallel and then carried to where they are.
+/// Axes that deviate from parallel by less than this, rad, are solved as parallel; the solutions are then refined for the real axes.
 ///
-/// Calibrated arms miss by up to some 10 mrad; at 50 mrad branches near singularities begin to be lost.
+/// Calibrated arms deviate by up to about 10 mrad; from 50 mrad on, branches near singularities get lost.
 const PARALLEL_WITHIN: f64 = 0.03;
 
 /// Axes that miss a common point by less than this share of the arm's size are solved as if they met.
@@ -48,9 +48,9 @@ impl std::fmt::Display for Class {
 pub(crate) struct Drawn {
     pub arm: SixR,
     pub class: Class,
-    /// By how much the real axes miss parallel, rad.
+    /// Deviation of the real axes from parallel, rad.
     pub angle: f64,
-    /// By how much the real axes miss the common point, m.
+    /// Distance of the real axes from the common point, m.
     pub distance: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Eigenvalues of a small real matrix without symmetry: Francis' QR algorithm, with the exceptional shifts without which it may turn in
+//! Eigenvalues of a small real matrix without symmetry: Francis' QR algorithm, with the exceptional shifts without which it may run in
 //! circles.
 //!
 //! # Source

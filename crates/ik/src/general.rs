@@ -40,11 +40,11 @@ pub(crate) const INDEPENDENT: f64 = 1e-5;
 /// Sixteen eigenvalues, with two values of joint 2 each.
 const MOST: usize = 32;
 
-/// Largest imaginary part (of a half-angle tangent, as a share of its size) of a solution that rounding or a near
+/// Largest imaginary part (of a half-angle tangent, as a fraction of its size) of a solution that rounding or a near
 /// singularity has made complex.
 const NEARLY_REAL: f64 = 2e-2;
 
-/// What does not depend on the target.
+/// The part that does not depend on the target.
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination {
     arm: SixR,
@@ -53,7 +53,7 @@ pub(crate) struct Elimination {
     order: Order,
 }
 
-/// What an elimination says of a pose.
+/// The result of an elimination for a pose.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidates {
     /// Joint values, rad.

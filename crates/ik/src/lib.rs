@@ -1,11 +1,11 @@
-//! Inverse kinematics from screw axes: every branch of the drawn robot in closed form, carried to the calibrated robot by Newton's
+//! Inverse kinematics from screw axes: every branch of the nominal robot in closed form, refined for the calibrated robot by Newton's
 //! method.
 //!
 //! ```text
-//! Chain ──► class (wrist, three parallel axes, general; either end) ──► drawn arm ──► candidates ──► Newton on the chain ──► Solutions
+//! Chain ──► class (wrist, three parallel axes, general; either end) ──► nominal arm ──► candidates ──► Newton on the chain ──► Solutions
 //! ```
-//! A calibrated arm's axes are nearly, not exactly, parallel or concurrent: the nearest exact arm gives the branches, Newton's method
-//! carries each to the arm as it is. Lengths are m, angles rad. Nothing is allocated per pose once [`Solutions`] has grown.
+//! A calibrated arm's axes are nearly, not exactly, parallel or concurrent: the nearest exact arm gives the branches, and Newton's method
+//! refines each for the real arm. Lengths are in m, angles in rad. Nothing is allocated per pose once [`Solutions`] has grown.
 
 mod arm;
 mod branch;

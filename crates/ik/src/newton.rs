@@ -1,15 +1,15 @@
-//! Newton's method on the pose of an arm, from a start near a solution; and damped least squares where none is sure.
+//! Newton's method on the pose of an arm, from a start near a solution, and damped least squares where no such start is known.
 
 use crate::arm::{Angle, Axis, SixR};
 use denavit_model::nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 use denavit_model::{Chain, Pose, se3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// A step of more than this, rad, is shortened: beyond it the linear model says nothing.
+/// A step of more than this, rad, is shortened: beyond it the linear model is not valid.
 const LONGEST_STEP: f64 = 0.5;
-/// From a start near the solution Newton's method doubles its digits in each step; what needs more has left it.
+/// Near a solution Newton's method doubles the digits in each step; a start that needs more steps has left it.
 const MOST_STEPS: usize = 15;
-/// An error of this, rad and share of the size, is that of some dozen products: a step more would change it, and not lessen it.
+/// An error of this, rad and share of the size, is that of some dozen products: another step would change it without reducing it.
 const ROUNDING: f64 = 1e-14;
 
 /// How far a pose is from the target: `[rotation vector, translation / size]`, both in the base frame.
@@ -38,15 +38,15 @@ fn small_rotation_vector(target: &Pose, reached: &Pose) -> Vector3<f64> {
 
 /// Where Newton's method ended.
 pub(crate) struct Landed {
-    /// The angle that is left, rad.
+    /// The remaining angle, rad.
     pub orientation: f64,
-    /// The distance that is left, as a share of the size.
+    /// The remaining distance, as a fraction of the size.
     pub position: f64,
     /// The smallest pivot of the Jacobian of the last step, near 0 near a singularity; 1 where no step was needed.
     pub pivot: f64,
 }
 
-/// An arm at joint values: its axes in the base frame, and what each joint has moved.
+/// An arm at joint values: its axes in the base frame, and the motion of each joint.
 ///
 /// Solutions of a pose share their first joint values, and what those move is not computed again.
 pub(crate) struct Placed<'a> {
@@ -96,7 +96,7 @@ fn gap(target: &Pose, reached: &Pose, size: f64) -> (f64, f64) {
     (chord, (target.translation.vector - reached.translation.vector).norm() / size)
 }
 
-/// Refines joint values of a six-joint arm; `None` where the error that is left is more than `close`.
+/// Refines joint values of a six-joint arm; `None` where the remaining error exceeds `close`.
 pub(crate) fn refine(
     placed: &mut Placed<'_>,
     target: &Pose,
@@ -139,7 +139,7 @@ pub(crate) fn refine(
     None
 }
 
-/// Levenberg-Marquardt for any chain: from `q` to a least distance of pose, error as in [`error`]. Returns the error that is left.
+/// Levenberg-Marquardt for any chain: from `q` to a least distance of pose, error as in [`error`]. Returns the remaining error.
 ///
 /// The step is Jᵀ (J Jᵀ + λ)⁻¹ e, six equations for any number of coordinates.
 pub(crate) fn least_squares(

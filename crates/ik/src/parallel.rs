@@ -1,4 +1,4 @@
-//! Arms whose joints 2, 3 and 4 are parallel: what they do together is a motion of a plane.
+//! Arms whose joints 2, 3 and 4 are parallel: together they make a planar motion.
 
 use crate::arm::{Angle, SixR, rotated, turn_between};
 use crate::circles::{Row, on_line, pairs, turned_dot};

@@ -1,4 +1,4 @@
-//! Every branch of six revolute joints: those of the drawn arm, carried to the arm as it is.
+//! Every branch of six revolute joints: those of the nominal arm, refined for the real arm.
 
 use crate::arm::{Angle, Axis, SixR};
 use crate::branch::Branch;
@@ -11,7 +11,7 @@ use crate::{newton, parallel, wrist};
 use denavit_model::Pose;
 use std::f64::consts::PI;
 
-/// Starts around a branch that the real arm does not have where the drawn one has it, and how far around, rad: the
+/// Starts around a branch that the real arm does not have where the nominal one has it, and how far around, rad: the
 /// nearer a singularity, the smaller the region from which Newton's method finds a branch.
 const AROUND: u32 = 40;
 const NEARBY: [f64; 2] = [0.12, 0.4];
@@ -30,7 +30,7 @@ const ACCURATE: f64 = 1e-3;
 /// the arm as far off the opposite way has.
 const NEAR: [(f64, usize); 4] = [(1e-4, 0), (-1e-4, 0), (3e-4, 1), (-3e-4, 1)];
 
-/// Pivots of the Jacobian (rad and shares of the size) below which a calibrated arm may have branches that the drawn one has not: ten of
+/// Pivots of the Jacobian (rad and shares of the size) below which a calibrated arm may have branches that the nominal one does not have: ten of
 /// 10 000 poses of a UR10 had some beside all eight, at pivots up to 0.011, one of 100 000 above 0.021.
 const NEAR_SINGULAR: f64 = 0.025;
 
@@ -43,11 +43,11 @@ pub(crate) struct Six {
     arm: SixR,
     pub drawn: Drawn,
     general: Option<Eliminations>,
-    /// How far beyond tangency a branch of the drawn arm is tried on the real one.
+    /// How far beyond tangency a branch of the nominal arm is tried on the real one.
     slack: f64,
 }
 
-/// What a pose's six-joint candidates were good for.
+/// The outcome of a pose's six-joint candidates.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub lost: usize,
@@ -65,7 +65,7 @@ impl Six {
         Self { arm, drawn, general, slack: if exact { EXACT } else { SLACK } }
     }
 
-    /// Calls `add` with the joint values of each solution, and where they lead.
+    /// Calls `add` with the joint values of each solution and their pose.
     pub fn each(
         &self,
         target: &Pose,
@@ -110,8 +110,8 @@ impl Six {
                 return tally;
             }
         }
-        // Near a singularity a branch of the real arm lies far from that of the drawn one, or is there where the drawn arm has none:
-        // only where every branch of the class was reached, none near a singularity, is there surely no other.
+        // Near a singularity a branch of the real arm is far from that of the nominal one, or exists where the nominal arm has none:
+        // only if every branch of the class was reached and none is near a singularity, there is certainly no other.
         if exact || (failed.as_slice().is_empty() && reached == MOST && smallest > NEAR_SINGULAR) {
             return tally;
         }
@@ -205,7 +205,7 @@ struct Eliminations {
 }
 
 impl Eliminations {
-    /// Which order is accurate, some postures of the arm tell.
+    /// Some postures of the arm show which order is accurate.
     fn of(arm: &SixR, size: f64) -> Self {
         let [first, others @ ..] = Order::ALL.map(|order| {
             let elimination = Elimination::of(arm, size, order);

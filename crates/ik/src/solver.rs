@@ -1,4 +1,4 @@
-//! The solver: which method a chain gets, and all its solutions for a pose.
+//! The solver: chooses the method for a chain and finds all its solutions for a pose.
 
 use crate::arm::SixR;
 use crate::branch::Branch;
@@ -12,7 +12,7 @@ use denavit_model::{Chain, Pose, Screw, se3};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// A pose counts as reached within this, rad and share of the robot's size: far above rounding, far below any encoder.
+/// A pose counts as reached within this, rad and share of the robot's size: far above rounding, far below any encoder's resolution.
 pub(crate) const REACHED: f64 = 1e-9;
 /// Two solutions are one when no joint differs by more, rad or share of the robot's size: solutions that meet at a singularity are
 /// known to half the digits.
@@ -21,7 +21,7 @@ const SAME: f64 = 1e-6;
 const RESTARTS: u32 = 120;
 /// Steps of one numerical search.
 const SEARCH_STEPS: usize = 60;
-/// Values of a redundant joint that are tried where the given one reaches nothing.
+/// Values of a redundant joint that are tried where the given one does not reach the pose.
 const SWEEP: u32 = 72;
 
 /// How solutions are found.
@@ -32,9 +32,9 @@ pub enum Method {
     ClosedForm {
         /// Which closed form.
         class: Class,
-        /// By how much axes miss parallel in this arm, rad: the branches of the exact arm are carried over by Newton's method.
+        /// Deviation of this arm's axes from parallel, rad: Newton's method refines the branches of the exact arm.
         angle: f64,
-        /// By how much axes miss their common point, m.
+        /// Distance of the axes from their common point, m.
         distance: f64,
     },
     /// Seven revolute joints: the closed form of the six others at each value of one.
@@ -44,7 +44,7 @@ pub enum Method {
         /// The closed form of the others.
         class: Class,
     },
-    /// Anything else: damped least squares from many starts. Finds most solutions, not surely all.
+    /// Anything else: damped least squares from many starts. Finds most solutions, but not always all.
     Search,
 }
 
@@ -118,7 +118,7 @@ impl Solutions {
         self.reached
     }
 
-    /// Branches of the drawn arm that this arm does not have at this pose, or that were not found on it.
+    /// Branches of the nominal arm that this arm does not have at this pose, or that were not found.
     pub fn lost(&self) -> usize {
         self.lost
     }
@@ -211,7 +211,7 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Reads the chain's class off its screw axes.
+    /// Finds the chain's class from its screw axes.
     pub fn new(chain: &Chain) -> Self {
         let size = chain.size();
         let (strategy, method) = if let Some(arm) = SixR::of(chain) {
@@ -227,7 +227,7 @@ impl Solver {
         Self { chain: chain.clone(), size, wraps, strategy, method }
     }
 
-    /// How solutions are found for this chain.
+    /// The method for this chain.
     pub fn method(&self) -> &Method {
         &self.method
     }
@@ -281,7 +281,7 @@ impl Solver {
 
     /// One solution per pose along a path, each next to the one before: the branch of `start` is kept where it can be.
     ///
-    /// The second value says where it could not: `None` for a pose that is not reached, else how far the joint that moves most
+    /// The second value states where it could not: `None` for a pose that is not reached, otherwise how far the joint that moves most
     /// turned (rad) or slid (m) from the pose before.
     pub fn follow(&self, path: &[Pose], start: &[f64]) -> Vec<(Vec<f64>, Option<f64>)> {
         let mut near = start.to_vec();
@@ -416,7 +416,7 @@ impl Solver {
             } else {
                 solutions.joints.truncate(at);
             }
-            // A chain with more coordinates than a pose has numbers has endlessly many: the nearest few will do.
+            // With more coordinates than numbers of a pose there are infinitely many solutions: the nearest few are enough.
             if n > 6 && solutions.found.len() >= 16 {
                 return;
             }
@@ -437,7 +437,7 @@ impl Solver {
         left
     }
 
-    /// Where nothing reaches the pose: the least error over some searches.
+    /// Where no solution reaches the pose: the smallest error over some searches.
     fn nearest(&self, target: &Pose, near: &[f64], solutions: &mut Solutions) {
         let n = near.len();
         let mut least = f64::INFINITY;

@@ -3,7 +3,7 @@
 use denavit_linear::Problem;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviation of a point, and of what was known of each coefficient before.
+/// Standard deviation of a point, and the prior standard deviation of each coefficient.
 const NOISE: f64 = 0.1;
 const BEFORE: f64 = 10.0;
 
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem {
         columns: DMatrix::from_fn(count, 2, |row, column| if column == 0 { 1.0 } else { measured[row].0 }),
         data: DVector::from_iterator(count, measured.iter().map(|point| point.1)),
-        // Each point is a row of its own: its noise is independent of the others'.
+        // Each point is a row of its own with independent noise.
         rows: (0..count).map(|row| row..row + 1).collect(),
         noise: vec![DMatrix::from_element(1, 1, NOISE * NOISE); count],
         variances: DVector::from_element(2, BEFORE * BEFORE),
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("-2 log evidence {:.2}", gram.evidence());
     for (point, left_out) in measured.iter().zip(gram.leave_out().ok_or("the numbers lose their precision")?) {
         let std = left_out.covariance[(0, 0)].sqrt();
-        println!("x = {}: {:+.3} off the line of the others, ± {std:.3}", point.0, left_out.residual[0]);
+        println!("x = {}: {:+.3} from the line through the others, ± {std:.3}", point.0, left_out.residual[0]);
     }
     Ok(())
 }

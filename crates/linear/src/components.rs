@@ -1,19 +1,19 @@
-//! The evidence as a function of some few sizes: K = Σ aₖ Cₖ, with one amount aₖ for each kind of column and each source of noise.
+//! The evidence as a function of a few sizes: K = Σ aₖ Cₖ, with one amount aₖ for each kind of column and each source of noise.
 //!
-//! All is done in the space of the values, n × n: kinds may have any number of columns. Meant for some hundred values; of more rows
-//! take some.
+//! Computed in the space of the values, n × n: kinds may have any number of columns. Meant for a few hundred values; use a subset of
+//! more rows.
 
 use crate::products::{cross_gram, gram_of};
 use crate::triangle::{Triangle, dot};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Cₖ: what a kind adds to the covariance of the values per unit of its amount.
+/// Cₖ: covariance of the values per unit of a kind's amount.
 #[derive(Debug, Clone)]
 pub enum Part {
-    /// Any values may vary together: X Xᵀ, n × n.
+    /// A full covariance: X Xᵀ, n × n.
     All(DMatrix<f64>),
-    /// Values of one row alone: noise.
+    /// A covariance within rows: noise.
     Rows(Vec<(Range<usize>, DMatrix<f64>)>),
 }
 
@@ -24,19 +24,19 @@ pub struct Components {
     inverse: DMatrix<f64>,
     /// K⁻¹ y.
     solved: DVector<f64>,
-    /// -2 log p(y) but for n log 2π: log |K| + yᵀ K⁻¹ y.
+    /// -2 log p(y) without n log 2π: log |K| + yᵀ K⁻¹ y.
     pub evidence: f64,
 }
 
 impl Part {
-    /// That of columns of equal variance.
+    /// The part of columns of equal variance.
     pub fn of_columns(columns: &DMatrix<f64>) -> Self {
         let n = columns.nrows();
         let across = columns.transpose();
         Self::All(DMatrix::from_vec(n, n, gram_of(across.as_slice(), across.nrows())))
     }
 
-    /// Sum of the variances that it adds per unit of its amount.
+    /// Sum of its variances per unit of its amount.
     pub fn trace(&self) -> f64 {
         match self {
             Self::All(all) => all.trace(),
@@ -76,7 +76,7 @@ impl Components {
         evidence.is_finite().then_some(Self { inverse, solved, evidence })
     }
 
-    /// The two sides of how the evidence rises per unit of a part's amount, tr(K⁻¹ C) - yᵀ K⁻¹ C K⁻¹ y.
+    /// The two terms of the derivative of the evidence by a part's amount, tr(K⁻¹ C) - yᵀ K⁻¹ C K⁻¹ y.
     pub fn pull(&self, part: &Part) -> Pull {
         let n = self.solved.len();
         let (mut wide, mut along) = (0.0, DVector::zeros(n));
@@ -104,12 +104,12 @@ impl Components {
     }
 }
 
-/// How the evidence changes with the amount of a part.
+/// The derivative of the evidence by the amount of a part.
 #[derive(Debug, Clone)]
 pub struct Pull {
-    /// tr(K⁻¹ C), by which a smaller amount is better; not negative where C is a covariance.
+    /// tr(K⁻¹ C), which favours a smaller amount; not negative where C is a covariance.
     pub wide: f64,
-    /// yᵀ K⁻¹ C K⁻¹ y, by which a larger one is; the same.
+    /// yᵀ K⁻¹ C K⁻¹ y, which favours a larger one; the same.
     pub narrow: f64,
     /// C K⁻¹ y.
     pub along: DVector<f64>,

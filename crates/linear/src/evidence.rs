@@ -1,4 +1,4 @@
-//! How probable the data are, whatever the coefficients.
+//! The evidence: the probability of the data, averaged over the coefficients.
 
 use crate::gram::Gram;
 use nalgebra::DVector;
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 impl Gram {
     /// -2 log p(y) = n log 2π + log |R| + log |I + B Bᵀ| + zᵀ (I + B Bᵀ)⁻¹ z.
     ///
-    /// Coefficients with a wide prior (frames, targets) make it the restricted likelihood but for a constant.
+    /// With a wide prior of some coefficients (frames, targets) it is the restricted likelihood up to a constant.
     pub fn evidence(&self) -> f64 {
         let of_noise: f64 =
             self.noise.iter().flat_map(|lower| lower.diagonal().iter().map(|d| d.ln()).collect::<Vec<_>>()).sum();

@@ -1,4 +1,4 @@
-//! Columns, prior and noise, brought to unit noise and unit variance, and factored on the smaller side.
+//! Columns, prior and noise, scaled to unit noise and unit variance, and factored on the smaller side.
 
 use crate::products::{cross_gram, gram_of};
 use crate::triangle::Triangle;
@@ -8,7 +8,7 @@ use std::ops::Range;
 /// `y = X b + e` before it is factored.
 ///
 /// # Shape and units
-/// n values, p coefficients; values of one row of measurement stand together. Units are the caller's: `columns` are values per
+/// n values, p coefficients; values of one measured row are adjacent. Units are the caller's: `columns` are values per
 /// coefficient, `variances` squares of coefficients, `noise` products of values.
 #[derive(Debug, Clone)]
 pub struct Problem {
@@ -38,7 +38,7 @@ pub struct Gram {
     /// L of each row.
     pub(crate) noise: Vec<DMatrix<f64>>,
     pub(crate) factor: Triangle,
-    /// Whether the factor is that of I + B Bᵀ, n × n, as it is where values are fewer than coefficients; else of I + Bᵀ B, p × p.
+    /// Whether the factor is that of I + B Bᵀ, n × n, used if there are fewer values than coefficients; else of I + Bᵀ B, p × p.
     pub(crate) in_rows: bool,
 }
 
@@ -66,7 +66,7 @@ impl Problem {
     }
 }
 
-/// The factored model without its values: the way to the most probable coefficients of problems near it.
+/// The factored model without its values: for steps to the most probable coefficients of nearby problems.
 #[derive(Debug, Clone)]
 pub struct Curvature {
     /// B, where the factor is that of I + B Bᵀ.
@@ -78,7 +78,7 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// L⁻¹ of values: each in its noise.
+    /// L⁻¹ of values: in units of their noise.
     pub fn in_noise(&self, values: &DVector<f64>) -> DVector<f64> {
         let mut values = values.clone();
         for (row, lower) in self.rows.iter().zip(&self.noise) {
@@ -87,9 +87,9 @@ impl Curvature {
         values
     }
 
-    /// What to add to coefficients `at` so that they are the most probable ones of a problem whose values are off by `residual` there; its columns
-    /// are those `chosen` of `columns`. Noise, priors and curvature are this one's: where columns change little on the way, such steps lead to the
-    /// end and need no new factor. By its own columns and values one step leads to the posterior mean.
+    /// The step from coefficients `at` to the most probable ones of a problem with `residual` there; its columns are those `chosen` of
+    /// `columns`. Noise, priors and curvature are this one's: where columns change little, such steps converge without a new factor. With its
+    /// own columns and values one step leads to the posterior mean.
     pub fn step(
         &self,
         (columns, chosen): (&DMatrix<f64>, &[usize]),
@@ -132,7 +132,7 @@ impl Gram {
         if self.in_rows { solved(z) } else { z - &self.scaled * solved(&self.scaled.tr_mul(z)) }
     }
 
-    /// What steps are made by.
+    /// The curvature for steps.
     pub fn curvature(self) -> Curvature {
         let Self { scaled, deviations, rows, noise, factor, in_rows, .. } = self;
         Curvature { scaled: in_rows.then_some(scaled), deviations, rows, noise, factor }
@@ -148,13 +148,13 @@ impl Gram {
         }
     }
 
-    /// Share of each coefficient's prior variance that the data take away: diagonal of Bᵀ K⁻¹ B.
+    /// Fraction of each coefficient's prior variance that the data remove: diagonal of Bᵀ K⁻¹ B.
     pub(crate) fn shrunk(&self) -> DVector<f64> {
         let squares = DVector::from_iterator(self.size().1, self.root().column_iter().map(|c| c.norm_squared()));
         if self.in_rows { squares } else { squares.map(|left| 1.0 - left) }
     }
 
-    /// I + B Bᵀ, n × n, inverted: only its blocks on the rows' diagonal.
+    /// The inverse of I + B Bᵀ, n × n: only the diagonal blocks of the rows.
     pub(crate) fn inverse_blocks(&self) -> Vec<DMatrix<f64>> {
         let n = self.size().0;
         let block = |row: &Range<usize>| {

@@ -1,21 +1,21 @@
-//! Every row of measurement predicted from all the others, without fitting anew.
+//! Every measured row predicted from all others, without a new fit.
 
 use crate::gram::Gram;
 use nalgebra::{DMatrix, DVector};
 
-/// A row as all the others predict it.
+/// A row predicted from all others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
-    /// Measured less predicted.
+    /// Measured minus predicted.
     pub residual: DVector<f64>,
-    /// Covariance of that: of the prediction and of the row's own noise.
+    /// Its covariance: of the prediction plus the row's own noise.
     pub covariance: DMatrix<f64>,
 }
 
 impl Gram {
-    /// With K = I + B Bᵀ, e = K⁻¹ z and L the row's noise: e₋ₙ = L (K⁻¹ₙₙ)⁻¹ eₙ, of the covariance L (K⁻¹ₙₙ)⁻¹ Lᵀ.
+    /// With K = I + B Bᵀ, e = K⁻¹ z and L the row's noise: e₋ₙ = L (K⁻¹ₙₙ)⁻¹ eₙ, with the covariance L (K⁻¹ₙₙ)⁻¹ Lᵀ.
     ///
-    /// `None` where a block of K⁻¹ is not positive: the numbers do not carry that far.
+    /// `None` where a block of K⁻¹ is not positive, due to rounding.
     pub fn leave_out(&self) -> Option<Vec<LeftOut>> {
         let e = self.solve(&self.whitened);
         let blocks = self.inverse_blocks();

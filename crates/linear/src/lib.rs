@@ -1,15 +1,15 @@
-//! One linear Gaussian model, and what is read off it.
+//! One linear Gaussian model and its results.
 //!
 //! ```text
-//! y = X b + e,   b ~ N(0, diag v),   e ~ N(0, R),   R block by block: one block a row of measurement (a posture)
+//! y = X b + e,   b ~ N(0, diag v),   e ~ N(0, R),   R block diagonal: one block per measured row (a posture)
 //!
 //! columns + prior + noise ─► Gram ─┬─► evidence      -2 log p(y), and its derivatives
 //!                                  ├─► posterior     mean and covariance of b; prediction of other rows
-//!                                  └─► leave_out     every row predicted from all the others
+//!                                  └─► leave_out     every row predicted from all others
 //! ```
-//! [`components`] is the same evidence as a function of some few sizes, of which variances and noise are made; [`minimise`] finds the best
-//! of them. The crate knows matrices, and nothing of robots. Below: products of columns and Cholesky factors in vectors of the machine
-//! ([`products`], [`triangle`], [`panel`]), on all cores ([`threads`]), until somebody asks to stop ([`stop`]).
+//! [`components`] is the same evidence as a function of a few sizes, which set variances and noise; [`minimise`] finds the best
+//! sizes. The crate knows matrices, but no robots. Below: products of columns and Cholesky factors with SIMD ([`products`],
+//! [`triangle`], [`panel`]), on all cores ([`threads`]), with cancellation ([`stop`]).
 
 #![expect(clippy::inline_always, reason = "SIMD code must be compiled into the function that enables the instructions")]
 

@@ -1,20 +1,20 @@
-//! A minimum within bounds of a smooth function of some twenty numbers whose curvature is about known.
+//! A minimum within bounds of a smooth function of about twenty numbers with approximately known curvature.
 //!
 //! Damped Newton steps (Levenberg, Marquardt; Nocedal, Wright 2006, chapters 4 and 10): numbers are logarithms, so that the damping needs no scale.
-//! A library for it would bring more lines of adapters than these.
+//! A library would need more lines of adapters than these.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Damping at the start, and by what it is multiplied after a good and after a bad step.
+/// Initial damping, and its factors after a good and after a bad step.
 const DAMPING: f64 = 1.0;
 const LESS: f64 = 0.2;
 const MORE: f64 = 5.0;
-/// Shares of the promised decrease below which a step is bad and above which it is good (Nocedal, Wright 2006, algorithm 4.1).
+/// Fractions of the predicted decrease below which a step is bad and above which it is good (Nocedal, Wright 2006, algorithm 4.1).
 const BAD: f64 = 0.25;
 const GOOD: f64 = 0.75;
 /// Longest step of a number: a factor of seven.
 const LONGEST: f64 = 2.0;
-/// The damping at which no step is found any more.
+/// The damping at which the search for a step ends.
 const MOST_DAMPING: f64 = 1e8;
 
 /// The function at a point.
@@ -24,13 +24,13 @@ pub struct Local {
     pub value: f64,
     /// Its derivatives.
     pub slope: DVector<f64>,
-    /// Its second derivatives, or what stands for them: not negative in any direction.
+    /// Its second derivatives, or an approximation: not negative in any direction.
     pub curvature: DMatrix<f64>,
 }
 
-/// The best point found from `start` on within `bounds`, and its value; `None` where the start has none.
+/// The best point found from `start` within `bounds`, and its value; `None` where the start has none.
 ///
-/// Ends after `most` points, or where the value falls by less than `least` per unit of any number. To points without a value no step goes.
+/// Ends after `most` points, or where all derivatives are below `least`. No step goes to a point without a value.
 pub fn minimise(
     objective: &mut dyn FnMut(&[f64]) -> Option<Local>,
     start: &[f64],
@@ -44,7 +44,7 @@ pub fn minimise(
     let mut here = objective(x.as_slice())?;
     let mut damping = DAMPING;
     for _ in 0..most {
-        // What presses against its bound stays.
+        // Numbers that push against their bound are fixed.
         let (low, high) = (|i: usize| x[i] <= bounds[i].0, |i: usize| x[i] >= bounds[i].1);
         let stays = |i: &usize| low(*i) && here.slope[*i] >= 0.0 || high(*i) && here.slope[*i] <= 0.0;
         let free: Vec<usize> = (0..n).filter(|i| !stays(i)).collect();
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn the_valley_of_rosenbrock_is_walked_to_its_end_and_bounds_hold() {
-        // Sums of squares r: the curvature is that of the derivatives J of r alone, 2 Jᵀ J.
+        // Sum of squares of r: the curvature uses only the derivatives J of r, 2 Jᵀ J.
         let mut valley = |x: &[f64]| {
             let r = DVector::from_vec(vec![1.0 - x[0], 10.0 * (x[1] - x[0] * x[0])]);
             let j = DMatrix::from_row_slice(2, 2, &[-1.0, 0.0, -20.0 * x[0], 10.0]);
@@ -97,7 +97,7 @@ mod tests {
         assert!(value < 1e-10 && (x[0] - 1.0).abs() < 1e-4, "{x:?} {value}");
         let (x, _) = minimise(&mut valley, &[-1.2, 1.0], &[(-5.0, 0.5), (-5.0, 5.0)], 100, 1e-9).unwrap();
         assert!((x[0] - 0.5).abs() < 1e-12 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
-        // Steep one way and shallow another.
+        // Steep in one direction and shallow in another.
         let mut trough = |x: &[f64]| {
             let (a, b) = (x[0], x[1] - 3.0);
             Some(Local {

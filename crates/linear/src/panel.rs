@@ -1,5 +1,5 @@
-//! Sums of products with sixteen columns at once: each sum has its own place in the machine's vectors, so none has to be gathered
-//! from them at the end.
+//! Sums of products with sixteen columns at once: each sum has its own SIMD lane, so none needs a horizontal sum at the
+//! end.
 
 use fearless_simd::{Simd, SimdBase as _, SimdFloat as _};
 
@@ -9,7 +9,7 @@ pub const PANEL: usize = 16;
 /// A cell of each of its columns, side by side.
 pub type Line = [f64; PANEL];
 
-/// The cells of at most [`PANEL`] columns, of which the first `depth` count, line by line; columns that lack are nothing.
+/// The first `depth` cells of at most [`PANEL`] columns, line by line; missing columns are 0.
 pub fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, lines: &mut Vec<Line>) {
     lines.clear();
     lines.resize(depth, [0.0; PANEL]);
@@ -20,13 +20,13 @@ pub fn lines_of<'a>(columns: impl Iterator<Item = &'a [f64]>, depth: usize, line
     }
 }
 
-/// For several rows `Σ row[k] lines[k]`: `take` is given the number of each row and its sums.
+/// For several rows `Σ row[k] lines[k]`: `take` receives the number of each row and its sums.
 ///
 /// # Shape and units
-/// `rows`: one after the other, `stride` cells from one to the next, of which as many count as there are lines.
+/// `rows`: one after the other, with a stride of `stride` cells; each row uses as many cells as there are lines.
 #[inline(always)]
 pub fn each_sum<S: Simd>(simd: S, rows: &[f64], stride: usize, lines: &[Line], take: impl FnMut(usize, &Line)) {
-    // As many sums as the machine's registers hold.
+    // As many sums as the registers hold.
     match S::f64s::LEN {
         8 => each_sum_by::<S, 8, 2>(simd, rows, stride, lines, take),
         4 => each_sum_by::<S, 3, 4>(simd, rows, stride, lines, take),
@@ -55,7 +55,7 @@ fn each_sum_by<S: Simd, const R: usize, const N: usize>(
     }
 }
 
-/// The sums of `R` rows, each in `N` vectors.
+/// The sums of `R` rows, each in `N` SIMD vectors.
 #[inline(always)]
 fn sums<S: Simd, const R: usize, const N: usize>(simd: S, rows: [&[f64]; R], lines: &[Line]) -> [Line; R] {
     let width = S::f64s::LEN;
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
 
-    /// Vectors of the machine as it is, and, where it has them, those of half and of a quarter of its width.
+    /// SIMD levels of the machine: its full width, and, where available, half and a quarter of it.
     fn levels() -> Vec<Level> {
         let native = Level::new();
         #[cfg(target_arch = "x86_64")]

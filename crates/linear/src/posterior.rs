@@ -1,4 +1,4 @@
-//! What the data say of the coefficients, and of other rows.
+//! The posterior of the coefficients, and the prediction of other rows.
 
 use crate::gram::Gram;
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +36,7 @@ impl Gram {
 }
 
 impl Posterior {
-    /// Mean Z m and covariance Z S Zᵀ of what rows with these columns would show without noise.
+    /// Mean Z m and covariance Z S Zᵀ of noise-free rows with these columns.
     pub fn predict(&self, columns: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
         (columns * &self.mean, columns * &self.covariance * columns.transpose())
     }

@@ -1,19 +1,19 @@
-//! Gram matrices: products of columns of numbers, formed in vectors of the machine, several columns at a time.
+//! Gram matrices: products of columns of numbers with SIMD, several columns at a time.
 
 use crate::panel::{Line, PANEL, each_sum, lines_of};
 use crate::threads::{available, par_map};
 use crate::triangle::WORTH_A_THREAD;
 use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
-/// Columns on the left and on the right whose products are formed at once: as many sums as sixteen registers hold.
+/// Columns on the left and on the right of a tile of products: as many sums as sixteen registers hold.
 pub const TILE: (usize, usize) = (4, 2);
-/// The same of machines with vectors of eight numbers, which have thirty-two.
+/// The same for machines with vectors of eight numbers, which have thirty-two registers.
 const WIDE: (usize, usize) = (4, 4);
 const WIDE_VECTOR: usize = 8;
 
-/// With fewer columns on the left or on the right than this it does not pay to lay out a panel.
+/// Fewest columns on the left and on the right for which a panel pays off.
 const FEW: (usize, usize) = (4, 10);
-/// Cells of a column that are worked on together: those of a panel then stay near the processor.
+/// Cells of a column per block: a panel then stays in the cache.
 const DEPTH: usize = 256;
 
 /// leftᵀ right, of columns of `rows` cells: a product per column of `left`, for each column of `right`.
@@ -43,7 +43,7 @@ pub fn gram_of(columns: &[f64], rows: usize) -> Vec<f64> {
     let mut result = vec![0.0; count * count];
     let panels = columns.chunks(PANEL * rows).zip(result.chunks_mut(PANEL * count)).enumerate();
     let threads = if columns.len() * count / 2 < WORTH_A_THREAD { 1 } else { available() };
-    // Each product for itself: none depends on how many threads there are.
+    // Each product separately: none depends on the number of threads.
     par_map(
         panels,
         threads,
@@ -113,7 +113,7 @@ fn subtract_in<S: Simd>(simd: S, columns: Columns, times: &[f64], from: &mut [f6
     }
 }
 
-/// The products of all columns of `left` with at most [`PANEL`] of `right`: those of one of the latter begin every `count` cells.
+/// The products of all columns of `left` with at most [`PANEL`] of `right`, `count` cells for each of the latter.
 fn panel_into(left: &[f64], right: &[f64], rows: usize, count: usize, result: &mut [f64]) {
     let mut lines = Vec::with_capacity(DEPTH.min(rows));
     let many = right.len() / rows;
@@ -174,7 +174,7 @@ fn add_cross_gram_by<S: Simd, const L: usize, const R: usize>(
 ///
 /// # Shape and units
 /// `cells`: columns of `stride` cells, of which the first `rows` count; as many columns as [`TILE`] goes into. `sums`:
-/// square, the product of columns l ≤ r at `r * count + l`; some others are touched, too.
+/// square, the product of columns l ≤ r at `r * count + l`; some other cells change, too.
 pub fn add_gram(cells: &[f64], stride: usize, rows: usize, sums: &mut [f64]) {
     dispatch!(Level::new(), simd => add_gram_in(simd, cells, stride, rows, sums));
 }

@@ -1,34 +1,34 @@
-//! Work that nobody wants any more.
+//! Cancellation of long work.
 //!
-//! Long work looks now and then whether it is asked to stop; where it is, it unwinds to where it began, as from a panic that says
-//! nothing. So whatever is in between need not know of it.
+//! Long work checks from time to time whether it was cancelled; if so, it unwinds to its start, like a silent panic. The
+//! code in between need not handle cancellation.
 
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Asks work to stop; clones ask the same work.
+/// Cancels work; clones cancel the same work.
 #[derive(Debug, Clone, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
-/// What unwinds.
+/// The payload of the unwinding.
 struct Stopped;
 
 thread_local! {
-    /// Who may stop what this thread does.
+    /// The handle that may cancel this thread's work.
     static HERE: RefCell<Option<Stop>> = const { RefCell::new(None) };
 }
 
 impl Stop {
-    /// Asks.
+    /// Cancels the work.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// The result of work, or `None` where it was asked to stop before it came to its end.
+    /// The result of work, or `None` if it was cancelled before its end.
     ///
-    /// A program that is compiled to abort where it panics must not ask.
+    /// A program compiled with `panic = "abort"` must not cancel.
     pub fn unless_asked<R>(&self, work: impl FnOnce() -> R) -> Option<R> {
         let before = HERE.replace(Some(self.clone()));
         let done = catch_unwind(AssertUnwindSafe(work));
@@ -41,14 +41,14 @@ impl Stop {
     }
 }
 
-/// Ends the work here where it was asked to stop.
+/// Ends the work here if it was cancelled.
 pub fn check_cancelled() {
     if HERE.with_borrow(|stop| stop.as_ref().is_some_and(|stop| stop.0.load(Ordering::Relaxed))) {
         resume_unwind(Box::new(Stopped));
     }
 }
 
-/// The same work for another thread, which stops with this one.
+/// The same work for another thread, cancelled together with this one.
 pub fn carried<R>(work: impl FnOnce() -> R) -> impl FnOnce() -> R {
     let stop = HERE.with_borrow(Clone::clone);
     move || {
@@ -76,7 +76,7 @@ mod tests {
         };
         assert!(stop.unless_asked(work).is_none());
         assert!(done.load(Ordering::Relaxed) < 500, "{done:?} of 1000 were done");
-        // Outside of it nothing is stopped.
+        // Outside cancellable work nothing is cancelled.
         check_cancelled();
         assert_eq!(Stop::default().unless_asked(|| in_parallel(&items, |item| *item)), Some(items));
     }

@@ -1,4 +1,4 @@
-//! Work on all cores; where there is one alone, as in a web page, or where the caller keeps the cores busy, no thread is started.
+//! Work on all cores; with a single core, as in a web page, or where the caller keeps the cores busy, no thread is started.
 
 use crate::stop::{carried, check_cancelled};
 use std::cell::Cell;
@@ -8,9 +8,9 @@ use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Mutex, OnceLock};
 
-/// Rows of a stretch.
+/// Number of rows of a stretch.
 const ROWS_AT_ONCE: usize = 32;
-/// What a thread may keep on its stack, bytes: while it waits for others it may do a part of their work.
+/// Stack size of a thread, bytes: while it waits for others it may do a part of their work.
 const STACK: usize = 8 << 20;
 
 thread_local! {
@@ -20,7 +20,7 @@ thread_local! {
 
 /// Does the work without starting threads: for callers that calibrate one robot on each core.
 ///
-/// Results are the same to the bit as with threads: no sum depends on how many there are.
+/// Results are bit-identical to those with threads: no sum depends on their number.
 pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
     struct Restore(bool);
     impl Drop for Restore {
@@ -32,20 +32,20 @@ pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// How many threads a computation may use, the calling one included.
+/// Number of threads that a computation may use, the calling one included.
 pub fn available() -> usize {
-    // The system is asked once: it reads files for the answer.
+    // Query the system once: it reads files for the answer.
     static CORES: OnceLock<usize> = OnceLock::new();
     if ALONE.get() { 1 } else { *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)) }
 }
 
-/// Does the work with one thread for each core at hand, for all that it deals out: to start a thread anew each time takes as long as
-/// many a piece of work. The threads end with the work, so that a process may be copied (`fork`) before and after.
+/// Does the work with one thread per available core, shared by all its parallel parts: starting new threads each time would take as
+/// long as some of the parts. The threads end with the work, so that a process may `fork` before and after.
 pub fn with_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     on_threads(available(), work)
 }
 
-/// The same with this many; on those that are at hand, where there are any.
+/// The same with this many threads; uses existing ones, if there are any.
 fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
     if count <= 1 || rayon::current_thread_index().is_some() {
         return work();
@@ -55,7 +55,7 @@ fn on_threads<R: Send>(count: usize, work: impl FnOnce() -> R + Send) -> R {
     result.expect("the work was done")
 }
 
-/// Work of whatever type, done once: what starts threads is compiled once, and not for each kind of work.
+/// Type-erased work, done once: the code that starts threads is compiled once, not for each type of work.
 type Work<'a> = dyn FnMut() + Send + 'a;
 
 fn on_new_threads(count: usize, work: &mut Work) {
@@ -70,7 +70,7 @@ fn side_by_side(one: &mut Work, other: &mut Work) {
     with_threads(|| rayon::join(one, carried(other)));
 }
 
-/// Does the work on this many threads at one time. All have ended before a panic continues: none of them runs when the caller is told.
+/// Does the work on this many threads at a time. All have ended before a panic continues: none runs when the caller sees it.
 fn on_each_of(threads: usize, work: &(dyn Fn() + Sync)) {
     on_threads(threads, || {
         rayon::scope(|scope| {
@@ -88,9 +88,9 @@ pub fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync)
     par_map(items.iter(), available().min(items.len()), || (), |(), item| work(item))
 }
 
-/// The same, each on a thread of its own: where one takes many small pieces of work.
+/// The same, each item on a thread of its own: for items of many small pieces of work.
 pub fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    // A single one may as well have all threads.
+    // A single item can use all threads.
     if items.len() < 2 {
         items.iter().map(work).collect()
     } else {
@@ -98,13 +98,13 @@ pub fn each_alone<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) 
     }
 }
 
-/// The same on the first items alone, no more of them than are enough: what is found does not depend on how many threads there are.
+/// The same on the first items only, until they are enough: the result does not depend on the number of threads.
 pub fn each_alone_until<T: Sync, R: Send>(
     items: &[T],
     work: impl Fn(&T) -> R + Sync,
     enough: impl Fn(&[R]) -> bool + Sync,
 ) -> Vec<R> {
-    // Results in the order of the items as far as none is missing, and those that came before their turn.
+    // Results in the order of the items up to the first missing one, and later ones that finished early.
     let found = Mutex::new((Vec::new(), BTreeMap::new()));
     let ended = AtomicBool::new(false);
     let one = |(): &mut (), (index, item): (usize, &T)| {
@@ -124,7 +124,7 @@ pub fn each_alone_until<T: Sync, R: Send>(
     found.into_inner().expect("taking a result does not panic").0
 }
 
-/// Two pieces of work side by side, where there is a thread for the second.
+/// Two pieces of work in parallel, if there is a thread for the second.
 pub fn join<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
     if available() == 1 {
         return (one(), other());
@@ -135,7 +135,7 @@ pub fn join<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce
     first.zip(second).expect("both were done")
 }
 
-/// The work done on stretches of this many rows, in their order; each thread begins with what `start` makes.
+/// The work done on stretches of this many rows, in their order; `start` makes the initial state of each thread.
 pub fn in_stretches<S, R: Send>(
     rows: usize,
     start: impl Fn() -> S + Sync,
@@ -146,8 +146,8 @@ pub fn in_stretches<S, R: Send>(
     par_map(stretches, threads, start, work)
 }
 
-/// The work done on each item, in the order of the items, by `threads` threads at most, the calling one included. An item is dealt
-/// out as soon as a thread is free; each thread begins with what `start` makes.
+/// The work done on each item, in the order of the items, by at most `threads` threads, the calling one included. An item starts
+/// as soon as a thread is free; `start` makes the initial state of each thread.
 pub fn par_map<I: Iterator + Send, S, R: Send>(
     items: I,
     threads: usize,
@@ -185,8 +185,8 @@ pub fn par_map<I: Iterator + Send, S, R: Send>(
     in_order.into_iter().map(|result| result.expect("each item is dealt out once")).collect()
 }
 
-/// What is in a cell; where there is nothing, it is made. Threads that come at one time may each make it: none waits for another, which may
-/// do a part of this one's work while it waits itself.
+/// The content of a cell, made if the cell is empty. Threads that come at the same time may each make it: none waits for another, since the
+/// other may run a part of this one's work while it waits itself.
 pub fn get_or_make<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     cell.get().unwrap_or_else(|| {
         let made = make();
@@ -202,7 +202,7 @@ mod tests {
     fn work_within_work_comes_back_in_order_and_waits_for_no_cell_of_its_own() {
         let items: Vec<usize> = (0..40).collect();
         let cell = OnceLock::new();
-        // Each asks for what takes work on all threads itself.
+        // Each needs a value whose computation uses all threads.
         let sum = || in_parallel(&items, |item| item * item).into_iter().sum::<usize>();
         let work = || in_parallel(&items, |item| in_parallel(&items, |other| item * other + *get_or_make(&cell, sum)));
         let expected: Vec<Vec<usize>> =
@@ -218,7 +218,7 @@ mod tests {
         let items: Vec<usize> = (0..40).collect();
         let first = |most: usize| {
             let work = |item: &usize| {
-                // Those at the front come last.
+                // The first items finish last.
                 std::thread::sleep(std::time::Duration::from_micros(if *item == 0 { 3000 } else { 10 }));
                 *item
             };

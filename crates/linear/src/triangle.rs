@@ -1,5 +1,4 @@
-//! Cholesky factors of some hundred unknowns, row by row and in panels of several columns, so that what is read once is used for several
-//! sums.
+//! Cholesky factors of a few hundred unknowns, row by row and in panels of several columns, so that each value read serves several sums.
 
 use crate::panel::{Line, PANEL, each_sum, lines_of};
 use crate::stop::check_cancelled;
@@ -8,7 +7,7 @@ use fearless_simd::{Level, Simd, SimdBase as _, SimdFloat as _, dispatch};
 
 /// Rows that a thread takes at once.
 const ROWS: usize = 2 * PANEL;
-/// Fewer multiplications than this are done sooner than a second thread is there.
+/// Fewest multiplications for which a second thread pays off.
 pub const WORTH_A_THREAD: usize = 150_000;
 
 /// The lower triangle L of A = L Lᵀ, row by row.
@@ -18,7 +17,7 @@ pub struct Triangle {
     size: usize,
 }
 
-/// Some rows of the factor, as the rows below them need them for the columns of the same numbers.
+/// Some rows of the factor, in the form that the rows below need for the columns of the same indices.
 struct Panel {
     from: usize,
     to: usize,
@@ -29,14 +28,14 @@ struct Panel {
 }
 
 impl Triangle {
-    /// Factors a symmetric matrix given row by row, of which the lower triangle is read; `None` unless it is positive.
+    /// Factors a symmetric matrix given row by row, using its lower triangle; `None` unless it is positive.
     pub fn factor(mut cells: Vec<f64>, size: usize) -> Option<Self> {
         for from in (0..size).step_by(PANEL) {
             check_cancelled();
             let to = (from + PANEL).min(size);
             let (above, below) = cells.split_at_mut(to * size);
             let panel = Panel::factored(&mut above[from * size..], (from, to), size)?;
-            // The rows below each for itself: no sum depends on how many threads there are.
+            // The rows below, each separately: no sum depends on the number of threads.
             let threads = if below.len() / size * from * PANEL < WORTH_A_THREAD { 1 } else { available() };
             par_map(below.chunks_mut(ROWS * size), threads, || (), |(), rows| panel.solve(rows, 0, size));
         }
@@ -106,7 +105,7 @@ impl Triangle {
 }
 
 impl Panel {
-    /// That of rows that are factored, `from` on.
+    /// The panel of factored rows, starting at `from`.
     fn of(own: &[f64], from: usize, size: usize) -> Self {
         let to = from + own.len() / size;
         let mut before = Vec::new();
@@ -118,7 +117,7 @@ impl Panel {
         Self { from, to, before, inverse: inverse_of(&upper, to - from) }
     }
 
-    /// Factors rows of which the columns before the diagonal block are done; `None` unless the block is positive.
+    /// Factors rows whose columns before the diagonal block are done; `None` unless the block is positive.
     fn factored(own: &mut [f64], (from, to): (usize, usize), size: usize) -> Option<Self> {
         let mut before = Vec::new();
         lines_of(own.chunks_exact(size), from, &mut before);
@@ -135,7 +134,7 @@ impl Panel {
         Some(Self { from, to, before, inverse: inverse_of(&upper, to - from) })
     }
 
-    /// The columns of these numbers of some rows, those before being done; before column `first` the rows are nothing.
+    /// Solves these columns of some rows, with all earlier columns done; before column `first` the rows are 0.
     fn solve(&self, rows: &mut [f64], first: usize, size: usize) {
         dispatch!(Level::new(), simd => self.solve_in(simd, rows, first, size));
     }
@@ -157,7 +156,7 @@ impl Panel {
     }
 }
 
-/// Lᵀ of a block of this many rows, of which the lower triangle is read; `None` unless it is positive.
+/// Lᵀ of a block of this many rows, using its lower triangle; `None` unless it is positive.
 fn factor_block(left: &mut [Line; PANEL], many: usize) -> Option<[Line; PANEL]> {
     let mut upper = [[0.0; PANEL]; PANEL];
     for k in 0..many {
@@ -191,7 +190,7 @@ fn inverse_of(upper: &[Line; PANEL], many: usize) -> [Line; PANEL] {
     inverse
 }
 
-/// Σ a b in vectors of the machine, two sums at a time.
+/// Σ a b with SIMD, two sums at a time.
 #[inline(always)]
 fn dot_in<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> f64 {
     let width = S::f64s::LEN;

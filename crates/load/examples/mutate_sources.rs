@@ -1,7 +1,7 @@
-//! Seeded changes of tables and makers' files, read for this many seconds: each must give a robot or an error with words, soon.
+//! Reads randomly changed tables and makers' files for SECONDS: each must soon give a robot or an error message.
 //!
 //! `cargo run -p denavit-load --example mutate_sources -- SECONDS [SEED]`; the fuzz targets `tables` and `makers_files` do the
-//! same with coverage where cargo-fuzz is installed.
+//! same with coverage, if cargo-fuzz is installed.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program for the terminal of whoever changes a reader")]
 
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 #[path = "../../../tests/seeded.rs"]
 mod seeded;
 
-/// Words that matter to the readers.
+/// Words that the readers know.
 const WORDS: &str = "theta§alpha_i-1§d [in]§a (mm)§beta§offset§kind§pitch§scale§q1§q2 - 90°§-π/2§(§)§-§*§/§°§\"§'§|§,§;§\t§ §\n§│§├───┤§+---+§base§\
                      tool§fixed§P§H§1e308§-1e-320§nan§0§999999999999§# units: mm, deg\n§# convention: proximal\n§cubit§\u{feff}§{§}§[§]§:§- §\
                      joint1:\n  kinematic:\n§kinematics:§deg(§!degrees §&a §*a§---\n§delta_a = [§\"schema\"§\"M\"§\"Slist\"§null§true§…§±170°§\u{1f600}§limits§\\|";

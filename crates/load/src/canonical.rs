@@ -17,7 +17,7 @@ pub fn canonical(robot: &Loaded, file: &str, options: &Options) -> Result<Noted<
     Ok(match robot {
         Loaded::Robot(tree) => {
             let Noted { value, notes } = urdf::canonical(tree, options)?;
-            // What was made of another format is a URDF of its own now.
+            // A URDF made from another format is a source of its own now.
             Noted { value: as_urdf(&value), notes }
         }
         Loaded::Table { table, convention, .. } => own(urdf::from_table(table, *convention)?),

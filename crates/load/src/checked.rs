@@ -1,4 +1,4 @@
-//! The rules that hold for a file: its configuration, and where its meshes are looked for.
+//! The rules for a file: its configuration, and the folders of its meshes.
 
 use crate::read::environment;
 use crate::revision::Home;

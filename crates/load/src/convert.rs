@@ -1,4 +1,4 @@
-//! A robot from one format to another: the text, what it cannot say, a proof, and a sidecar that brings the source back.
+//! Converts a robot from one format to another: the text, what it cannot express, a proof, and a sidecar that restores the source.
 
 use crate::merged::{Merged, merged};
 use crate::read::environment;
@@ -22,7 +22,7 @@ const SCHEMA: &str = "denavit.sidecar/1";
 /// More kinds of differences than this are counted, not named.
 const NAMED: usize = 20;
 
-/// What a conversion is told.
+/// Options of a conversion.
 #[derive(Debug, Clone, Copy)]
 pub struct ConvertOptions<'a> {
     /// The format to write.
@@ -71,7 +71,7 @@ impl Lost {
     /// What a description had that this one was made of.
     fn stays_lost(self) -> Loss {
         let Self { file, line, element, what, why } = self;
-        let why = format!("stays lost, since the description between was edited: {why}");
+        let why = format!("remains lost, as the description in between was edited: {why}");
         Loss { place: Place { file, line, element }, what, why }
     }
 }
@@ -85,9 +85,9 @@ pub fn sidecar_of(file: &Path) -> PathBuf {
 
 /// A robot in another format; `text` is the source's own text, `file` its name.
 ///
-/// A description in the wanted format is the result as it is, byte for byte. Where a sidecar stands beside the source and says that
-/// it was made of a description in the wanted format, that description is the result: byte for byte where nothing was changed
-/// since, else with the edits in it.
+/// A description that already has the wanted format is the result, byte for byte. If a sidecar beside the source shows that the source
+/// was made from a description in the wanted format, that description is the result: byte for byte if nothing was changed since, else
+/// with the edits in it.
 ///
 /// # Errors
 /// The source is no robot, or the format cannot say it; a sidecar cannot be read.
@@ -96,7 +96,7 @@ pub fn convert(file: &str, text: &str, options: &ConvertOptions) -> Result<Writt
     if let Some(sidecar) = &sidecar
         && sidecar.sha256 == hash(text)
     {
-        let proof = vec!["the description that this one was made of, byte for byte, from its sidecar".to_owned()];
+        let proof = vec!["the original description, byte for byte, from its sidecar".to_owned()];
         return Ok(Written { text: sidecar.source.text.clone(), losses: Vec::new(), sidecar: None, proof });
     }
     let opened = from_text(file, text, options.source)?;
@@ -127,16 +127,16 @@ pub fn convert(file: &str, text: &str, options: &ConvertOptions) -> Result<Writt
     Ok(written)
 }
 
-/// The SRDF that a model in MJCF stands for beside its URDF: excluded contacts and keys.
+/// The SRDF of a model in MJCF: excluded contacts and keys.
 ///
 /// # Errors
-/// The source is no MJCF.
+/// The source is not MJCF.
 pub fn srdf_of(file: &str, text: &str, options: &Options) -> Result<Written, LoadError> {
     if let Loaded::Robot(robot) = from_text(file, text, options)?.robot {
         return Ok(denavit_mjcf::srdf(&robot)?);
     }
     let place = Place { file: file.to_owned(), line: 1, element: "file".into() };
-    Err(FormatError::one(place, "an SRDF is made of MJCF; name a model in MJCF").into())
+    Err(FormatError::one(place, "an SRDF is made only from MJCF; give an MJCF model").into())
 }
 
 /// A description that is in the wanted format already.
@@ -153,14 +153,14 @@ fn as_it_is(robot: &Robot, file: &str, text: &str, has_parts: bool, options: &Co
         |shape: &Shape| matches!(&shape.geometry, Geometry::Mesh { filename, .. } if !filename.contains("://"));
     let mut shapes = robot.links.iter().flat_map(|link| link.visuals.iter().chain(&link.collisions));
     if moved && (has_parts || shapes.any(is_near)) {
-        let why = "they count from its folder, and the output is in another; write it beside the source";
+        let why = "they are relative to its folder, and the output is in another; write it beside the source";
         let place = robot.source.place(0, format!("<{}>", root_element(text).unwrap_or("robot")));
         losses.push(Loss { place, what: "files that it names".into(), why: why.into() });
     }
     Written { text: text.to_owned(), losses, sidecar: None, proof }
 }
 
-/// The description that another was made of, with what was edited in that since; `None` where that cannot be said.
+/// The description that another was made from, with the edits of the latter; `None` if that is unknown.
 fn with_edits(
     after: &Robot,
     file: &str,
@@ -175,8 +175,9 @@ fn with_edits(
     let Some(Merged { text, changes, lost: losses }) = merged(options.to, name, first, &before, after) else {
         return Ok(None);
     };
-    let mut proof =
-        vec![format!("{changes} edit(s) since it was made of {name} are put into that; all else is as it was there")];
+    let mut proof = vec![format!(
+        "{changes} edit(s) since it was made from {name} are put into that; everything else is unchanged"
+    )];
     // On the way out again it is to be what was edited.
     let again = ConvertOptions {
         to: after.source.format(),
@@ -198,7 +199,7 @@ fn with_edits(
     let mut result = Written { text, losses, sidecar: None, proof };
     for what in differs {
         let place = after.source.place(0, root_element(&after.source.text).unwrap_or("robot"));
-        let why = "it is so in the result, converted again; correct it there".to_owned();
+        let why = "it is still so in the result; correct it there".to_owned();
         result.losses.push(Loss { place, what, why });
     }
     let known: Vec<(&str, &str)> =
@@ -260,7 +261,9 @@ fn prove_of(robot: &Robot, written: &mut Written, options: &ConvertOptions) -> R
     let again = from_text(&name, &written.text, options.source)?.robot;
     let Loaded::Robot(again) = again else {
         let place = robot.source.place(0, "robot");
-        return Err(FormatError::one(place, "what was written reads back as no tree; please report this file").into());
+        return Err(
+            FormatError::one(place, "the written text does not read back as a tree; please report this file").into()
+        );
     };
     let found = proof::of(robot, &again);
     written.proof = found.lines;
@@ -302,10 +305,10 @@ fn beside(file: &str) -> Result<Option<Sidecar>, LoadError> {
     let Ok(bytes) = home.within(|| files::read(&path)) else { return Ok(None) };
     let wrong = |reason: String| {
         let file = path.display().to_string();
-        LoadError::Read { file, reason: format!("{reason}; put back the file that the conversion wrote, or remove it") }
+        LoadError::Read { file, reason: format!("{reason}; restore the file that the conversion wrote, or remove it") }
     };
     let sidecar: Sidecar =
-        serde_json::from_slice(&bytes).map_err(|error| wrong(format!("it is no sidecar: {error}")))?;
+        serde_json::from_slice(&bytes).map_err(|error| wrong(format!("it is not a sidecar: {error}")))?;
     if sidecar.schema != SCHEMA {
         return Err(wrong(format!("its schema is \"{}\", and this program reads {SCHEMA}", sidecar.schema)));
     }

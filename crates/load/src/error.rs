@@ -24,7 +24,7 @@ pub enum LoadError {
     },
     /// Text that is no source.
     #[error(
-        "{file}: this is no robot that is known here: neither XML (URDF, MJCF, SDF, xacro), nor a table with columns theta, d, alpha, a, nor \
+        "{file}: this is not a robot in a known format: neither XML (URDF, MJCF, SDF, xacro), nor a table with columns theta, d, alpha, a, nor \
          JSON, nor a maker's kinematics file; it begins with \"{begins}\""
     )]
     NoRobot {
@@ -50,8 +50,8 @@ pub enum LoadError {
     Xacro(#[from] denavit_xacro::XacroError),
     /// Arguments of a xacro file for another source.
     #[error(
-        "{file}: this is no xacro file, so it takes no argument {argument}; leave the argument out, or name the xacro file that \
-         the robot is made from"
+        "{file}: this is not a xacro file, so it takes no argument {argument}; leave the argument out, or name the xacro file \
+         that the robot is made from"
     )]
     NoXacro {
         /// As given.

@@ -1,5 +1,5 @@
-//! Any source to a robot: URDF, MJCF, SDF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a maker's
-//! kinematics file, a revision in git.
+//! Loads a robot from any source: URDF, MJCF, SDF, xacro, D-H table in CSV, Markdown, JSON or as printed, screw axes in CSV or JSON, a
+//! maker's kinematics file, a revision in git.
 //!
 //! ```text
 //! name ──► text ──► what is it? ──► Loaded ──► chain · table · canonical URDF · subject of a comparison
@@ -50,13 +50,13 @@ use denavit_export::sources::Stated;
 use denavit_model::Inventory;
 use std::path::PathBuf;
 
-/// What some sources need; a URDF needs none of it.
+/// Options that some sources need, but not a URDF.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Options {
     /// Arguments of a xacro file, name and value.
     pub arguments: Vec<(String, String)>,
-    /// Whether the arguments may be meant for another source that is read with the same options: a source that is not xacro
-    /// then takes no offence.
+    /// Whether the arguments may belong to another source that is read with the same options: a source that is not xacro
+    /// then accepts them.
     pub arguments_for_another: bool,
     /// Folders with ROS packages, or packages.
     pub package_path: Vec<PathBuf>,
@@ -68,12 +68,12 @@ pub struct Options {
     pub stated: Stated,
 }
 
-/// A robot, and what must be said of how it was read.
+/// A robot, and the notes of reading it.
 #[derive(Debug, Clone)]
 pub struct Opened {
     /// The robot.
     pub robot: Loaded,
-    /// What the expansion of a xacro file has to say, and what nobody states of a table.
+    /// Notes on the expansion of a xacro file, and on assumptions about a table.
     pub notes: Vec<String>,
     /// Whether it is xacro, or another source that takes arguments, so that the arguments are its own.
     pub is_xacro: bool,

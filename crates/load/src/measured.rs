@@ -1,4 +1,4 @@
-//! What a calibration is asked for in words, to rows and options.
+//! From a calibration's options as words to rows and options.
 //!
 //! Words are those of the command line; messages name its options, and the Python package writes them as its keywords.
 

@@ -1,13 +1,13 @@
-//! A description with the edits that were made to what was made of it.
+//! Merges edits of a converted description into its original.
 //!
 //! ```text
 //! URDF ──► MJCF, as it was written ──► `before`
 //!              │ somebody edits it
 //!              └──► as it is now ────► `after`       URDF + (after - before) = the URDF with the edits
 //! ```
-//! What was edited is what differs between `before` and `after`, which one reader read. Only that is written into the first
-//! description, each value in its place; everything else stands as it was, with what the other format could not say. The same
-//! holds for the other formats, of which fewer values are known.
+//! The edits are the differences between `before` and `after`, both read by the same reader. Only they are written into the original,
+//! each value in its place; everything else is unchanged, with what the other format could not express. The same holds for the other
+//! formats, with fewer values.
 
 mod mjcf;
 mod sdf;

@@ -37,8 +37,8 @@ pub struct Meshes {
 
 /// The meshes of the robot that was read from `file`, of at most `most` bytes together.
 ///
-/// Read are files that are called `.stl`, `.dae` or `.obj` when links are followed, and no others: a robot's text cannot
-/// have other files of the reader put before somebody's eyes. Of a robot of a revision in git they are that revision's.
+/// Only files that end in `.stl`, `.dae` or `.obj`, after links are followed, are read: a robot's text must not disclose other
+/// files of the reader. For a robot of a revision in git, the files of that revision are read.
 pub fn meshes(robot: &Robot, file: &str, options: &Options, most: u64) -> Meshes {
     match Home::of(file) {
         Ok(home) => home.within(|| meshes_of(robot, &home.path, options, most)),
@@ -58,7 +58,7 @@ pub fn triangles(name: &str, bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, Str
     match ending.as_str() {
         "stl" | "obj" => return denavit_mjcf::mesh_triangles(name, bytes),
         "dae" => {}
-        _ => return Err(format!("a .{ending} file is not read; there are .stl, .obj and .dae")),
+        _ => return Err(format!("a .{ending} file cannot be read; use .stl, .obj or .dae")),
     }
     let found = collada::triangles(bytes)?;
     if found.is_empty() { Err("it has no triangles".into()) } else { Ok(found) }
@@ -104,17 +104,17 @@ fn content_of(path: &Path, most: u64, endings: &[&str]) -> Result<Vec<u8>, Strin
     let real = files::canonical(path).map_err(|_| format!("there is no file {shown}"))?;
     let ending = real.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
-        return Err(format!("{shown} is no file that ends in one of .{}", endings.join(", .")));
+        return Err(format!("{shown} does not end in one of .{}", endings.join(", .")));
     }
     let Some(size) = files::size(&real).map_err(|error| format!("{shown}: {error}"))? else {
-        return Err(format!("{shown} is no file"));
+        return Err(format!("{shown} is not a file"));
     };
     if size > most {
         return Err(format!("{shown} has {} MB, and all meshes together are too many", size >> 20));
     }
     let bytes = files::read(&real).map_err(|error| format!("{shown}: {error}"))?;
     if bytes.starts_with(b"version https://git-lfs") {
-        return Err(format!("{shown} is a pointer of git LFS, and not the file itself; fetch it with git lfs pull"));
+        return Err(format!("{shown} is a pointer of git LFS, not the file itself; fetch it with git lfs pull"));
     }
     Ok(bytes)
 }

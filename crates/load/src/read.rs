@@ -1,4 +1,4 @@
-//! From a name to text, and from text to what it is.
+//! Reads a source by its name, and recognises its format.
 
 use crate::revision::Home;
 use crate::translate::{Translated, translated};
@@ -125,7 +125,7 @@ fn stem(file: &str) -> String {
     Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// The URDF that a xacro document stands for.
+/// The URDF that a xacro document expands to.
 ///
 /// Of a revision in git everything that the document includes comes from that revision; what is outside the repository is read
 /// as it is now, with a note.
@@ -155,7 +155,7 @@ fn expansion(file: &str, text: &str, options: &Options, trace: bool) -> Result<E
         expanded.files_read.retain(|read| !home.holds(read));
         let outside = expanded.files_read.iter().map(|read| {
             denavit_xacro::Note::of(format!(
-                "{file}: {} is outside the repository, and was read as it is now, not as it was then",
+                "{file}: {} is outside the repository, so its present content was read, not that of the revision",
                 read.display()
             ))
         });

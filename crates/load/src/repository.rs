@@ -98,7 +98,7 @@ impl<'a> Tree<'a> {
                 || revision.starts_with('-')
                 || git(&top, &["rev-parse", "--verify", &commit]).is_err()
             {
-                let reason = "this clone has no such revision; fetch it (a CI server: with the whole history)";
+                let reason = "this clone has no such revision; fetch it (on a CI server: the whole history)";
                 return Err(failed(revision, reason.into()));
             }
         }

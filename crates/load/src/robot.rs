@@ -51,7 +51,7 @@ pub struct Listing {
     pub robot: String,
     /// Every chain.
     pub chains: Vec<ChainListing>,
-    /// The one that is taken where none is named.
+    /// The default one.
     pub default: ChainListing,
 }
 
@@ -100,7 +100,7 @@ impl Loaded {
         let first = self.chain(&Selection { tip: tips.first().map(String::as_str).or(selection.tip), ..*selection })?;
         let (mut notes, mut others) = (first.notes, Vec::new());
         for tip in tips.iter().skip(1) {
-            // From the same link, where nobody says from which.
+            // From the same link, if none is given.
             let (base, tip) = (Some(first.value.base()), Some(tip.as_str()));
             let chain = self.chain(&Selection { base, tip, ..*selection })?;
             notes.extend(chain.notes.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());

@@ -8,7 +8,7 @@ use denavit_export::urdf::read_off;
 use denavit_model::Reading;
 use denavit_model::notes::{Note, Noted};
 
-/// Neighbouring axes closer to parallel than this are made parallel where nothing else is said, rad.
+/// Default: neighbouring axes closer to parallel than this are made parallel, rad.
 pub const NEARLY_PARALLEL: f64 = 1e-6;
 
 /// How the table is made.
@@ -44,7 +44,7 @@ impl Loaded {
             _ => Convention::Distal,
         });
         let hayati = convention == Convention::Hayati;
-        // Hayati's rows are for those who ask for them, or for nothing; who asks for others gets others.
+        // Hayati's rows are used if they are requested or if nothing is; any other request is followed.
         let as_asked =
             |table: &Table| options.convention.is_none() || table.rows.iter().any(|row| row.beta().is_some()) == hayati;
         let own = |value, notes| Ok(Made { table: Noted { value, notes }, convention, gauge: "file" });

@@ -18,7 +18,7 @@ pub struct UrdfText {
     pub is_xacro: bool,
     /// What the expansion of a xacro file has to say.
     pub notes: Vec<String>,
-    /// Files that the source made us read: what a xacro file includes, and its yaml.
+    /// Files that the source includes: those of a xacro file, and its yaml.
     pub includes: Vec<PathBuf>,
 }
 
@@ -39,7 +39,7 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
     if !is_markup(file, &text) {
         let opened = from_text(file, &text, options)?;
         let urdf = canonical(&opened.robot, file, written)?.value;
-        // What is not understood of a table is said, whoever looks at its URDF.
+        // Parts of a table that are not understood are noted, also for readers of its URDF.
         return Ok(UrdfText {
             notes: opened.notes,
             is_xacro: opened.is_xacro,
@@ -64,7 +64,7 @@ pub fn urdf_text(file: &str, text: String, options: &Options, written: &urdf::Op
     Ok(plain(file.to_owned(), text))
 }
 
-/// Why a xacro file is a part of robots and none by itself; `None` where it is one, or is broken.
+/// Why a xacro file is a part of robots and not a robot by itself; `None` if it is a robot, or is broken.
 ///
 /// A part uses names that only the file that includes it defines, or defines macros and makes no link.
 pub fn why_a_part(file: &str, text: &str, options: &Options) -> Option<String> {
@@ -84,7 +84,7 @@ pub fn why_a_part(file: &str, text: &str, options: &Options) -> Option<String> {
     }
 }
 
-/// Whether a source is taken for URDF or xacro, whole or broken, and not for a table or screw axes.
+/// Whether a source is read as URDF or xacro, valid or broken, and not as a table or screw axes.
 pub fn is_markup(file: &str, text: &str) -> bool {
     let start = text.trim_start_matches('\u{feff}').trim_start();
     is_named(file, ".urdf") || start.is_empty() || start.starts_with(['<', '\0'])

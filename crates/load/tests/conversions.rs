@@ -155,7 +155,7 @@ fn a_way_home_to_mjcf_says_what_stays_lost() {
         "<link name=\"b\"/><joint name=\"f\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>",
     );
     let said = to(Format::Mjcf, name, &edited).losses.iter().map(ToString::to_string).collect::<Vec<_>>();
-    assert!(said.iter().any(|line| line.starts_with("m.xml:3: motor \"m\": <motor>: stays lost")), "{said:?}");
+    assert!(said.iter().any(|line| line.starts_with("m.xml:3: motor \"m\": <motor>: remains lost")), "{said:?}");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_broken_sidecar_is_said() {
     let file = folder("broken").join("arm.xml");
     let made = to(Format::Mjcf, "arm.urdf", ARM);
     for (content, word) in [
-        ("{", "it is no sidecar"),
+        ("{", "it is not a sidecar"),
         (
             r#"{"schema":"denavit.sidecar/9","sha256":"","source":{"format":"urdf","file":"","text":""},"losses":[]}"#,
             "denavit.sidecar/9",
@@ -268,7 +268,7 @@ fn pairs_and_states_of_an_srdf_are_contacts_and_keys() {
     ] {
         assert!(back.contains(piece), "{piece}\n{back}");
     }
-    assert!(srdf_of("arm.urdf", ARM, &source).unwrap_err().to_string().contains("an SRDF is made of MJCF"));
+    assert!(srdf_of("arm.urdf", ARM, &source).unwrap_err().to_string().contains("an SRDF is made only from MJCF"));
 }
 
 #[test]

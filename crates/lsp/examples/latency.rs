@@ -1,7 +1,7 @@
-//! How long the server takes: `cargo run --release -p denavit-lsp --example latency -- FILE…`
+//! Latency of the server: `cargo run --release -p denavit-lsp --example latency -- FILE…`
 //!
-//! Each file is opened, and a number in it is changed and changed back; printed are the medians from the change to the problems, and
-//! of each question, in ms. On a busy machine run it ahead of everything else (`chrt -f 10`), as an editor's user sees it.
+//! Opens each file, and changes a number in it and back; prints the median time from the change to the problems, and of
+//! each request, in ms. On a busy machine run it with high priority (`chrt -f 10`), to measure what a user sees.
 
 use denavit_lsp::{Connection, serve};
 use lsp_server::{Message, Notification, Request};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 
-/// Rounds of which the median is printed.
+/// Number of rounds for the median.
 const ROUNDS: usize = 11;
 
 fn main() {

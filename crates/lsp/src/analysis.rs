@@ -1,4 +1,4 @@
-//! What a text says: its robot, where each piece of that comes from, and everything that is wrong.
+//! Analysis of a text: its robot, the origin of each part, and all problems.
 
 use crate::names::Language;
 use crate::session::Files;
@@ -28,25 +28,25 @@ pub(crate) struct Problem {
     /// The rule's code.
     pub code: Option<&'static str>,
     pub message: String,
-    /// The way there: places and what is there.
+    /// The path to it: places and their descriptions.
     pub related: Vec<(Spot, String)>,
-    /// Edits of the file at `at` that fix it without doubt.
+    /// Edits of the file at `at` that certainly fix it.
     pub fix: Vec<(Range<usize>, String)>,
 }
 
-/// What a file, with everything that it includes, says.
+/// The analysis of a file with everything that it includes.
 #[derive(Debug)]
 pub(crate) struct Analysis {
     pub file: PathBuf,
-    /// The URDF that the file is or stands for.
+    /// The URDF that the file is or expands to.
     pub urdf: String,
-    /// Where that comes from, of a xacro file.
+    /// The origin of its parts, for a xacro file.
     pub trace: Option<Traced>,
     pub robot: Option<Robot>,
     /// The file and what it includes.
     pub files: Vec<PathBuf>,
     pub problems: Vec<Problem>,
-    /// Whether it is a part of robots, and none by itself.
+    /// Whether it is part of other robots and not a robot itself.
     pub is_part: bool,
     /// Whether the root element has a name, as that of a robot has.
     pub is_named: bool,
@@ -78,7 +78,7 @@ impl Traced {
         self.files.iter().position(|known| known == file)
     }
 
-    /// What the value of an attribute came to, each value once.
+    /// The evaluated values of an attribute, each once.
     pub fn values_of<'u>(&self, urdf: &'u str, at: &Spot) -> Vec<&'u str> {
         let Some(file) = self.index(&at.file) else { return Vec::new() };
         let mut values: Vec<&str> = Vec::new();
@@ -93,7 +93,7 @@ impl Traced {
         values
     }
 
-    /// What the expression or substitution around a byte came to, with its bytes; each value once.
+    /// The evaluated values of the expression or substitution around a byte, with its bytes; each value once.
     pub fn evaluated(&self, file: &Path, at: usize) -> Option<(Range<usize>, Vec<&str>)> {
         let file = self.index(file)?;
         let around = |range: &Range<usize>| range.start <= at && at <= range.end;
@@ -117,15 +117,15 @@ impl Traced {
     }
 }
 
-/// The real name of a file; its own where it cannot be had.
+/// The canonical path of a file; its given path if that fails.
 pub(crate) fn real(file: &Path) -> PathBuf {
     file.canonicalize().or_else(|_| std::path::absolute(file)).unwrap_or_else(|_| file.to_path_buf())
 }
 
-/// Robots that an SRDF may be for.
+/// Candidate robots for an SRDF.
 pub(crate) type Robots<'a> = dyn FnMut(&str) -> Vec<Rc<Analysis>> + 'a;
 
-/// Analyses a file. `robots` gives those of a name, for an SRDF.
+/// Analyses a file. `robots` returns those with a name, for an SRDF.
 pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &mut Robots) -> Analysis {
     let mut made = Analysis {
         file: path.to_path_buf(),
@@ -148,7 +148,7 @@ pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &
     let before = text.text.len() - text.text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}').len();
     if !text.text[before..].starts_with('<') {
         let end = text.text.find('<').unwrap_or(text.text.len());
-        let message = "the file does not begin with an element; remove what is before it";
+        let message = "the file does not begin with an element; remove what precedes it";
         made.problems.push(work.problem(before..end, Level::Error, message));
         return made;
     }
@@ -187,9 +187,8 @@ pub(crate) fn analyse(files: &Files, path: &Path, settings: &Settings, robots: &
             if let Some(problem) = roxmltree_error(&work, &made.urdf) {
                 return Analysis { problems: vec![problem], ..made };
             }
-            let message = format!(
-                "no robot \"{own}\" was found beside this file, so that its names are not checked; open its URDF"
-            );
+            let message =
+                format!("no robot \"{own}\" was found near this file, so its names are not checked; open its URDF");
             made.problems.push(work.problem(work.root_name(), Level::Note, message));
             return made;
         };
@@ -254,7 +253,7 @@ impl Work<'_> {
         Spot { file, range: start..end }
     }
 
-    /// The name that stands at a place.
+    /// The name at a place.
     fn name_at(&self, place: &denavit_xacro::Place) -> Spot {
         let spot = self.place(place, 1);
         let found = self.files.markup(&spot.file).and_then(|markup| {

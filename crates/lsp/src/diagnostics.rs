@@ -1,4 +1,4 @@
-//! Problems as an editor shows them, and the fixes that are certain.
+//! Problems as an editor shows them, and their certain fixes.
 
 use crate::analysis::Problem;
 use crate::session::Files;
@@ -9,10 +9,10 @@ use gen_lsp_types::{
     Code, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, Message, Position, Range,
 };
 
-/// What the diagnostics are from.
+/// The source of the diagnostics.
 pub(crate) const SOURCE: &str = "denavit";
 
-/// Problems of one file, as that file is now.
+/// Problems of one file, in its present state.
 pub(crate) fn diagnostics(files: &Files, problems: &[Problem]) -> Vec<Diagnostic> {
     problems.iter().map(|problem| diagnostic(files, problem)).collect()
 }

@@ -1,4 +1,4 @@
-//! What an editor can ask, one file a question.
+//! The requests of an editor, one file each.
 
 pub(crate) mod actions;
 pub(crate) mod commands;

@@ -6,11 +6,11 @@
 //!                                                └─► diagnostics · hover · definition · rename · completion · outline · lens
 //! ```
 //! The server is synchronous: `lsp-server` is rust-analyzer's transport over channels, and needs no runtime, as tower-lsp-server
-//! and async-lsp do (22 crates with the types, against 60 and 86); a robot is analysed in some milliseconds, so that nothing is
-//! gained by answering two questions at once. `gen-lsp-types` is made from the protocol's own metamodel and follows it;
+//! and async-lsp do (22 crates with the types, against 60 and 86); a robot is analysed in some milliseconds, so parallel
+//! requests would gain nothing. `gen-lsp-types` is generated from the protocol's metamodel;
 //! `lsp-types` had its last release in 2024.
 //!
-//! It changes no file: what an editor shows hides the file of its name, and every change is an answer that the editor carries out.
+//! It changes no file: open buffers override the files on disk, and every change is a response that the editor applies.
 
 // Tables of what names what are read line by line; names of files are in small letters where their ends are compared.
 #![allow(clippy::match_same_arms, clippy::case_sensitive_file_extension_comparisons)]

@@ -1,4 +1,4 @@
-//! XML as it is while somebody types it: every element and attribute with its bytes, whole or broken.
+//! XML while it is being typed: every element and attribute with its byte range, complete or broken.
 
 use std::ops::Range;
 
@@ -15,12 +15,12 @@ pub(crate) struct Attribute {
 pub(crate) struct Tag {
     /// With its prefix.
     pub name: Range<usize>,
-    /// From `<` to behind `>`.
+    /// From `<` to after `>`.
     pub start: Range<usize>,
     pub attributes: Vec<Attribute>,
     /// Index of the element around it.
     pub parent: Option<usize>,
-    /// The end tag, where there is one.
+    /// The end tag, if any.
     pub close: Option<Range<usize>>,
     pub has_children: bool,
 }
@@ -54,7 +54,7 @@ fn is_space(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r')
 }
 
-/// Reads a text, however broken it is.
+/// Reads a text, even a broken one.
 pub(crate) fn scan(text: &str) -> Markup {
     let mut markup = Markup::default();
     let mut open: Vec<usize> = Vec::new();
@@ -134,7 +134,7 @@ fn start_tag(text: &str, start: usize) -> (Tag, bool) {
                     continue;
                 };
                 let value = at + 1;
-                // A value that nobody closed ends before the next element.
+                // An unclosed value ends before the next element.
                 let end = bytes[value..].iter().position(|byte| *byte == quote || *byte == b'<');
                 let end = end.map_or(text.len(), |length| value + length);
                 attributes.push(Attribute { name: own, value: value..end });
@@ -179,7 +179,7 @@ impl Markup {
         self.tags.binary_search_by_key(&at, |tag| tag.name.start).ok()
     }
 
-    /// What is at a byte, which may be behind the last letter of a name.
+    /// The markup at a byte, which may be after the last letter of a name.
     pub fn spot(&self, at: usize) -> Spot {
         if self.others.iter().any(|other| other.start < at && at < other.end) {
             return Spot::Elsewhere;

@@ -1,4 +1,4 @@
-//! Everything in a text that has a name, or uses one.
+//! All definitions and uses of names in a text.
 
 use crate::markup::Markup;
 use denavit_edit::{Kind as Named, named_by_attribute, named_by_text};
@@ -6,7 +6,7 @@ use denavit_model::formats::root_element;
 use std::ops::Range;
 use std::path::Path;
 
-/// What a text is written in.
+/// The language of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Language {
     /// URDF or xacro.
@@ -30,12 +30,12 @@ impl Language {
     }
 }
 
-/// What a name stands for.
+/// What a name refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Link,
     Joint,
-    /// A link, or where there is none of that name a joint.
+    /// A link, or a joint if no link has the name.
     Either,
     Material,
     Macro,
@@ -78,10 +78,10 @@ impl Kind {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Occurrence {
     pub kind: Kind,
-    /// As written, with what xacro would make of it.
+    /// As written, including xacro expressions.
     pub name: String,
     pub range: Range<usize>,
-    /// Whether it gives something this name.
+    /// Whether it is a definition.
     pub defines: bool,
     /// The element that it is in.
     pub tag: usize,
@@ -233,7 +233,7 @@ fn in_xacro(text: &str, range: Range<usize>, tag: usize, found: &mut Vec<Occurre
     }
 }
 
-/// Words of an expression that may be properties: no attributes, functions, texts or words of Python.
+/// Words of an expression that may be properties: without attributes, functions, strings and Python keywords.
 fn identifiers(expression: &str) -> Vec<Range<usize>> {
     const PYTHON: [&str; 10] = ["and", "or", "not", "if", "else", "in", "True", "False", "None", "for"];
     let bytes = expression.as_bytes();
@@ -291,7 +291,7 @@ fn parameters(params: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// Words between white space and commas, of `model::link` the last part.
+/// Words between white space and commas; the last part of `model::link`.
 fn words(text: &str) -> impl Iterator<Item = Range<usize>> + '_ {
     let start = text.as_ptr() as usize;
     let separators = [',', ' ', '\t', '\n', '\r'];

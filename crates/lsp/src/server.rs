@@ -22,14 +22,14 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use thiserror::Error;
 
-/// After the last change the problems are worked out when nothing more has come for this long: nobody types faster.
+/// The problems are computed this long after the last change, longer than the pause between keystrokes.
 const QUIET: Duration = Duration::from_millis(15);
 
 /// Why a conversation ended.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ServeError {
-    /// The client does not keep to the protocol, or is gone.
+    /// The client violates the protocol, or disconnected.
     #[error("the editor ended the conversation: {0}")]
     Protocol(String),
     /// Standard input or output failed.
@@ -43,23 +43,23 @@ impl From<ProtocolError> for ServeError {
     }
 }
 
-/// Serves an editor over standard input and output until it says exit.
+/// Serves an editor over standard input and output until it sends `exit`.
 ///
 /// # Errors
-/// The editor does not keep to the protocol, or a stream fails.
+/// The editor violates the protocol, or a stream fails.
 pub fn serve_stdio(version: &str) -> Result<(), ServeError> {
     let (connection, threads) = Connection::stdio();
     serve(&connection, version)?;
-    // The writer ends when nobody can send any more.
+    // The writer ends when all senders are gone.
     drop(connection);
     threads.join()?;
     Ok(())
 }
 
-/// Serves an editor until it says exit.
+/// Serves an editor until it sends `exit`.
 ///
 /// # Errors
-/// The editor does not keep to the protocol.
+/// The editor violates the protocol.
 pub fn serve(connection: &Connection, version: &str) -> Result<(), ServeError> {
     let (id, params) = connection.initialize_start()?;
     let offered = params.pointer("/capabilities/general/positionEncodings").and_then(Value::as_array);
@@ -75,7 +75,7 @@ pub fn serve(connection: &Connection, version: &str) -> Result<(), ServeError> {
         server_info: Some(ServerInfo { name: "denavit".to_owned(), version: Some(version.to_owned()) }),
     };
     connection.initialize_finish(id, json!(result))?;
-    // An editor that draws the commands' results itself says so; to others they are shown as messages.
+    // An editor that shows the commands' results itself states this; other editors get messages.
     let shows_results = params.pointer("/capabilities/experimental/denavit").is_some();
     let mut session = Session::new(encoding, settings);
     session.has_commands = shows_results;
@@ -133,13 +133,13 @@ struct Server<'a> {
     connection: &'a Connection,
     session: Session,
     encoding: Encoding,
-    /// What the editor calls the files that it has open.
+    /// The editor's URIs of the open files.
     uris: BTreeMap<PathBuf, Uri>,
-    /// Files that changed since the problems were last worked out.
+    /// Files that changed since the problems were last computed.
     changed: BTreeSet<PathBuf>,
 }
 
-/// Where an editor asks: the file and the byte.
+/// The position of a request: the file and the byte.
 struct TextPosition {
     path: PathBuf,
     at: usize,
@@ -164,7 +164,7 @@ impl Server<'_> {
                     if self.connection.handle_shutdown(&request)? {
                         return Ok(());
                     }
-                    // What is asked is asked of the text as it is now.
+                    // A request refers to the current text.
                     self.refresh();
                     let response = self.answer(&request);
                     self.send(response);
@@ -176,7 +176,7 @@ impl Server<'_> {
     }
 
     fn send(&self, message: impl Into<Message>) {
-        // An editor that is gone hears nothing; the next message that is waited for ends the loop.
+        // If the editor is gone, sending fails; the next receive ends the loop.
         let _ = self.connection.sender.send(message.into());
     }
 
@@ -245,7 +245,7 @@ impl Server<'_> {
         path_of(uri).map(|path| real(&path))
     }
 
-    /// What the editor calls a file.
+    /// The editor's URI of a file.
     fn uri(&self, path: &Path) -> Uri {
         self.uris.get(path).cloned().unwrap_or_else(|| uri_of(path))
     }
@@ -273,7 +273,7 @@ impl Server<'_> {
             Some(Ok(value)) => Response::new_ok(id, value),
             Some(Err(words)) => Response::new_err(id, ErrorCode::RequestFailed as i32, words),
             None => {
-                let words = format!("{} is not known here", request.method);
+                let words = format!("{} is not supported", request.method);
                 Response::new_err(id, ErrorCode::MethodNotFound as i32, words)
             }
         }
@@ -291,7 +291,7 @@ impl Server<'_> {
         Self::path(&document.uri)
     }
 
-    /// The answer, or why there is none; `None` for a method that is not known.
+    /// The response, or the reason for an error; `None` for an unknown method.
     fn result(&mut self, method: &str, params: Value) -> Option<Result<Value, String>> {
         let session = &self.session;
         let asked = self.asked(&params);

@@ -1,4 +1,4 @@
-//! What is open, and the robots that it belongs to.
+//! The open files, and the robots that they belong to.
 
 use crate::analysis::{Analysis, Problem, analyse, real};
 use crate::markup::{Markup, scan};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A file as it is seen: an open buffer, or what the disk has.
+/// The current text of a file: an open buffer, or the file on disk.
 #[derive(Debug, Clone)]
 struct Seen {
     text: Rc<Text>,
@@ -20,12 +20,12 @@ struct Seen {
     names: Rc<Vec<Occurrence>>,
 }
 
-/// Every file: open ones as they are in the editor, others as the disk has them.
+/// Every file: open ones as in the editor, others as on disk.
 #[derive(Debug, Default)]
 pub(crate) struct Files {
     encoding: Encoding,
     open: BTreeMap<PathBuf, Seen>,
-    /// Files of the disk that were looked at since something last changed.
+    /// Files on disk that were read since the last change.
     read: RefCell<HashMap<PathBuf, Option<Seen>>>,
 }
 
@@ -68,12 +68,12 @@ impl Files {
         self.open.contains_key(path)
     }
 
-    /// Runs `work` where open buffers hide the files of their names.
+    /// Runs `work` with open buffers instead of the files on disk.
     pub fn over_the_disk<T>(&self, work: impl FnOnce() -> T) -> T {
         self.with_texts(&BTreeMap::new(), work)
     }
 
-    /// Runs `work` where these texts hide the files of their names, and open buffers other files.
+    /// Runs `work` with these texts, and open buffers for other files, instead of the files on disk.
     pub fn with_texts<T>(&self, texts: &BTreeMap<PathBuf, String>, work: impl FnOnce() -> T) -> T {
         let mut held = FileOverlay::over_the_disk();
         for (path, seen) in self.open.iter().filter(|(path, _)| !texts.contains_key(*path)) {
@@ -88,21 +88,21 @@ impl Files {
 
 /// Folders deeper than this below a package are not searched for robots.
 const DEEPEST: usize = 5;
-/// Files that are looked at to find the robots of a part.
+/// Maximum number of files read to find the robots of a part.
 const MOST_FILES: usize = 2000;
-/// Robots that a part is analysed in.
+/// Maximum number of robots in which a part is analysed.
 const MOST_ROBOTS: usize = 2;
 
-/// What is open, and the robots that it belongs to.
+/// The open files, and the robots that they belong to.
 #[derive(Debug, Default)]
 pub(crate) struct Session {
     pub files: Files,
     pub settings: Settings,
-    /// Whether the editor has commands of its own for tables, comparisons and the explorer.
+    /// Whether the editor has its own commands for tables, comparisons and the explorer.
     pub has_commands: bool,
     /// Robots, and parts of robots, by the file that is analysed.
     analyses: BTreeMap<PathBuf, Rc<Analysis>>,
-    /// The last analyses that gave a robot: names are completed while a text is broken.
+    /// The last analyses with a robot, to complete names while a text is broken.
     last: BTreeMap<PathBuf, Rc<Analysis>>,
     /// Files whose problems the editor shows.
     shown: BTreeSet<PathBuf>,
@@ -113,7 +113,7 @@ impl Session {
         Self { files: Files { encoding, ..Files::default() }, settings, ..Self::default() }
     }
 
-    /// Takes the text of a buffer; gives the files whose problems are to be shown anew.
+    /// Stores the text of a buffer; returns the files whose problems must be updated.
     pub fn set(&mut self, path: &Path, text: String) {
         let seen = Files::seen(Text::new(text, self.files.encoding), path);
         self.files.open.insert(path.to_path_buf(), seen);
@@ -127,7 +127,7 @@ impl Session {
         self.analyses.retain(|_, analysis| is_used(analysis));
     }
 
-    /// Analyses what depends on these files, and gives the problems of every file that has some or had some before.
+    /// Analyses what depends on these files; returns the problems of every file that has or had problems.
     pub fn refresh(&mut self, changed: &BTreeSet<PathBuf>) -> Vec<(PathBuf, Vec<Problem>)> {
         let touched = |analysis: &Rc<Analysis>| analysis.files.iter().any(|file| changed.contains(file));
         let mut stale: BTreeSet<PathBuf> =
@@ -152,7 +152,7 @@ impl Session {
         self.problems()
     }
 
-    /// Everything again: settings or files of the disk have changed.
+    /// Analyses everything again after a change of settings or files on disk.
     pub fn refresh_all(&mut self) -> Vec<(PathBuf, Vec<Problem>)> {
         self.files.read.borrow_mut().clear();
         self.analyses.clear();
@@ -226,7 +226,7 @@ impl Session {
             next += 1;
         }
         let mut robots = 0;
-        // Those that nobody mentions are farthest from the part.
+        // Robots without a reference are farthest from the part.
         for user in users.into_iter().skip(1).rev() {
             // What is open has been analysed.
             if self.files.is_open(&user) {
@@ -250,7 +250,7 @@ impl Session {
             by_file.entry(path.clone()).or_default();
         }
         for (path, analysis) in &self.analyses {
-            // What a part lacks, its robots give.
+            // The robots of a part provide what it lacks.
             let is_used = |other: &Rc<Analysis>| other.file != *path && other.files.contains(path);
             if analysis.is_part && (!analysis.is_named || self.analyses.values().any(is_used)) {
                 continue;

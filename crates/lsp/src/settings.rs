@@ -1,4 +1,4 @@
-//! What an editor's user sets.
+//! Settings of an editor's user.
 
 use denavit_dh::Convention;
 use denavit_load::{CheckOptions, Options};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Settings {
     /// `distal`, `proximal`, `paper` or `hayati`.
     convention: Option<String>,
-    /// Arguments of xacro files, `name:=value`, by the name or the end of the path of the file; of every file under `*`.
+    /// Arguments of xacro files, `name:=value`, by the name or the end of the path of the file; `*` applies to every file.
     xacro_arguments: BTreeMap<String, Words>,
     /// Folders with ROS packages, or packages.
     package_path: Vec<PathBuf>,
@@ -30,7 +30,7 @@ enum Words {
 }
 
 impl Settings {
-    /// From what an editor sends, which may hold the settings of others beside a section `denavit`.
+    /// Reads an editor's settings, which may have a section `denavit` next to those of other programs.
     pub fn read(value: &Value) -> Result<Self, String> {
         let own = value.get("denavit").unwrap_or(value);
         if own.is_null() {
@@ -50,7 +50,7 @@ impl Settings {
         convention(self.convention.as_deref()?)
     }
 
-    /// What reading a file needs.
+    /// The options for reading a file.
     pub fn options(&self, file: &Path) -> Options {
         let mut arguments: Vec<(String, String)> = Vec::new();
         for (name, words) in &self.xacro_arguments {
@@ -75,7 +75,7 @@ impl Settings {
         }
     }
 
-    /// What the rules need.
+    /// The options of the rules.
     pub fn check(&self) -> CheckOptions {
         CheckOptions { package_path: self.package_path.clone(), ..CheckOptions::default() }
     }

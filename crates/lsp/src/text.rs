@@ -1,12 +1,12 @@
-//! A text with its lines, and places in it as editors count them.
+//! A text with its lines, and positions in it as editors count them.
 
 use gen_lsp_types::{Position, Range};
 use std::ops::Range as Bytes;
 
-/// What a column counts.
+/// The unit of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Encoding {
-    /// Units of UTF-16, which every client understands.
+    /// UTF-16 code units, which every client supports.
     #[default]
     Utf16,
     /// Bytes.
@@ -30,7 +30,7 @@ impl Text {
         Self { text, starts, encoding }
     }
 
-    /// The bytes of a line (from 0) without its end; of the last line where there is none of this number.
+    /// The bytes of a line (from 0) without its end; of the last line if there is no such line.
     pub fn line(&self, line: usize) -> Bytes<usize> {
         let line = line.min(self.starts.len() - 1);
         let start = self.starts[line];
@@ -38,7 +38,7 @@ impl Text {
         start..start + self.text[start..end].trim_end_matches('\r').len()
     }
 
-    /// The same without the white space around it; the whole line where it has nothing else.
+    /// The same without surrounding white space; the whole line if it is blank.
     pub fn words_of_line(&self, line: usize) -> Bytes<usize> {
         let whole = self.line(line);
         let words = self.text[whole.clone()].trim();
@@ -69,7 +69,7 @@ impl Text {
         Range { start: self.position(bytes.start), end: self.position(bytes.end) }
     }
 
-    /// The byte offset of a position; what is behind a line's end is its end.
+    /// The byte offset of a position; positions after a line's end are its end.
     pub fn offset(&self, position: Position) -> usize {
         let line = position.line as usize;
         if line >= self.starts.len() {

@@ -1,28 +1,28 @@
-//! Which elements, attributes and values SDF and MJCF have, from their own specifications (`tests/oracle/vocabulary.py`).
+//! The elements, attributes and values of SDF and MJCF, from their specifications (`tests/oracle/vocabulary.py`).
 
 /// MuJoCo's schema.
 pub(crate) const MJCF: &str = include_str!("vocabulary/mjcf.txt");
 /// The specification of SDF.
 pub(crate) const SDF: &str = include_str!("vocabulary/sdf.txt");
 
-/// What may stand in an element.
+/// The allowed content of an element.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Words {
-    /// Attributes, each with the values that it may have where those are listed.
+    /// Attributes, each with its allowed values, if listed.
     pub attributes: Vec<(&'static str, Vec<&'static str>)>,
     pub children: Vec<&'static str>,
-    /// What its text may be, where that is listed.
+    /// Allowed values of its text, if listed.
     pub values: Vec<&'static str>,
 }
 
 impl Words {
-    /// The values that are listed of an attribute.
+    /// The listed values of an attribute.
     pub fn of(&self, attribute: &str) -> &[&'static str] {
         self.attributes.iter().find(|(name, _)| *name == attribute).map_or(&[], |(_, values)| values)
     }
 }
 
-/// What may stand in the element at a path of tags from the root on; `None` where the list has no such element.
+/// The allowed content of the element at a path of tags from the root; `None` if the list has no such element.
 pub(crate) fn words(list: &'static str, path: &[&str]) -> Option<Words> {
     let lines: Vec<&'static str> = list.lines().filter(|line| !line.starts_with('#')).collect();
     let depth = |line: &str| line.len() - line.trim_start().len();

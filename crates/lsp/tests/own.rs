@@ -230,7 +230,7 @@ fn materials_have_their_definitions_and_references() {
     let said: String = places.iter().map(|(file, place)| editor.definition_and_references(file, place)).collect();
     recorded!("materials", said);
     let edit = editor.ask_at("textDocument/rename", "painted.urdf", places[0].1, &json!({"newName": "brass"}));
-    assert_eq!(edit.unwrap_err(), "only links and joints are renamed, and \"steel\" names the material");
+    assert_eq!(edit.unwrap_err(), "only links and joints can be renamed, but \"steel\" names the material");
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_rename_of_a_urdf_is_that_of_the_proved_edit() {
     }
     let taken =
         editor.ask_at("textDocument/rename", "hinge.urdf", "<child link=\"|door\"", &json!({"newName": "knob"}));
-    assert_eq!(taken.unwrap_err(), "hinge: a link has the name \"knob\" already");
+    assert_eq!(taken.unwrap_err(), "hinge: a link already has the name \"knob\"");
 }
 
 /// Lines that differ from the files on the disk.
@@ -444,7 +444,7 @@ fn the_lens_says_how_far_the_tip_moves_against_the_last_commit() {
     assert_eq!(title(&mut editor), "RP, frame → knob, same as HEAD");
     editor.type_over("hinge.urdf", "xyz=\"0.75 0 0\"", "xyz=\"0.75061 0 0\"");
     // 0.61 mm along x: the bound of a shift of a joint's origin is its length.
-    assert_eq!(title(&mut editor), "RP, frame → knob, tip moves by at most 0.61 mm against HEAD");
+    assert_eq!(title(&mut editor), "RP, frame → knob, tip moved by at most 0.61 mm since HEAD");
     let uri = editor.uri("hinge.urdf");
     let run = |editor: &mut Editor, command: &str| {
         let words = editor.ask("workspace/executeCommand", json!({"command": command, "arguments": [uri]})).unwrap();
@@ -478,7 +478,7 @@ fn the_link_under_the_cursor_is_known() {
 fn what_is_not_known_or_wrong_is_said() {
     let mut editor = Editor::in_folder(&files(), &json!({"convention": "craig"}));
     assert!(editor.messages()[0].contains("write distal, proximal, paper or hayati"));
-    assert_eq!(editor.ask("textDocument/nonsense", json!({})).unwrap_err(), "textDocument/nonsense is not known here");
+    assert_eq!(editor.ask("textDocument/nonsense", json!({})).unwrap_err(), "textDocument/nonsense is not supported");
     editor.tell(
         "workspace/didChangeConfiguration",
         json!({"settings": {"denavit": {"xacroArguments": {"*": "reach:=1"}}}}),

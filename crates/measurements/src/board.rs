@@ -1,4 +1,4 @@
-//! A camera and the board that it sees: one of them stands still, the other sits on the tip.
+//! A camera and the board that it sees: one of them is fixed, the other is on the tip.
 
 use super::lens::Lens;
 use denavit_model::nalgebra::{Matrix3, Rotation3};
@@ -24,10 +24,10 @@ pub struct Board {
     pub square: f64,
 }
 
-/// A text that is no board.
+/// A text that is not a board.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "\"{0}\" is no board; write its squares across and down and the edge of a square, such as 7x5:30mm (a chessboard of 7 by 5 \
+    "\"{0}\" is not a board; write the squares across and down and the edge of a square, such as 7x5:30mm (a chessboard of 7 by 5 \
      squares has 6 by 4 corners)"
 )]
 pub struct BoardError(pub String);
@@ -43,7 +43,7 @@ impl FromStr for Board {
     }
 }
 
-/// What is written as `7x5:30mm`: columns and rows, and a length above 0, m.
+/// Parses text such as `7x5:30mm`: columns and rows, and a length above 0, m.
 pub(super) fn grid(text: &str) -> Option<([usize; 2], f64)> {
     let (counts, length) = text.split_once(':')?;
     let (columns, rows) = counts.split_once(['x', 'X', '×'])?;
@@ -63,7 +63,7 @@ impl Board {
         (self.columns - 1) * (self.rows - 1)
     }
 
-    /// Where an inner corner is on the board, m; `None` where the board has no corner of that number.
+    /// Position of an inner corner on the board, m; `None` where the board has no corner of that number.
     pub fn corner(&self, number: usize) -> Option<Vector2<f64>> {
         let across = self.columns - 1;
         let place = |index: usize| (index + 1) as f64 * self.square;
@@ -71,19 +71,19 @@ impl Board {
     }
 }
 
-/// What is known of a camera and its board before anything is measured.
+/// The known properties of a camera and its board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sight {
     /// The camera's intrinsics.
     pub lens: Lens,
-    /// Whether the camera sits on the tip and the board stands still; else the other way round.
+    /// Whether the camera is on the tip and the board fixed; else the other way round.
     pub on_hand: bool,
-    /// The board's corners by their numbers; a file may say places of its corners itself.
+    /// The board's corners by their numbers; a file may also give positions of its corners.
     pub board: Option<Board>,
 }
 
 impl Sight {
-    /// What sits on the tip.
+    /// The part on the tip.
     pub fn on_tip(&self) -> &'static str {
         if self.on_hand { "camera" } else { "board" }
     }
@@ -96,7 +96,7 @@ pub struct Camera {
     pub lens: Lens,
     /// Whether it sits on the tip.
     pub on_hand: bool,
-    /// How far away the board is as a rule, m: errors in pixels are given as lengths there.
+    /// Typical distance of the board, m: errors in pixels are given as lengths at this distance.
     pub range: f64,
 }
 
@@ -110,22 +110,22 @@ impl Camera {
 /// A corner of a board, and the camera that sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
-    /// Its number, or its place as written.
+    /// Its number, or its position as written.
     pub label: String,
-    /// Its place on the board, m.
+    /// Its position on the board, m.
     pub at: Vector2<f64>,
     /// The camera.
     pub camera: Arc<Camera>,
 }
 
-/// Fewer corners than this do not say how a board lies.
+/// A board's pose needs at least this many corners.
 const LEAST_CORNERS: usize = 4;
-/// A homography whose second smallest singular value is below this, beside the largest, is not the only one.
+/// A homography is unique if its second smallest singular value is above this fraction of the largest.
 const ONLY_ONE: f64 = 1e-6;
-/// Steps that bring the pose of a board to the least squares of its pixels.
+/// Gauss-Newton steps for the pose of a board.
 const STEPS: usize = 10;
 
-/// camera_from_board where these corners are seen at these pixels; `None` where they do not say it.
+/// camera_from_board of these corners seen at these pixels; `None` where they do not determine it.
 ///
 /// # Shape and units
 /// Places on the board, m, and pixels, one each.
@@ -159,7 +159,7 @@ pub fn board_pose(lens: &Lens, seen: &[(Vector2<f64>, Vector2<f64>)]) -> Option<
     (pose.translation.vector.z > 0.0).then_some(pose)
 }
 
-/// The pose that a homography from the board to the plane in front of the camera says.
+/// The pose of the homography from the board to the plane in front of the camera.
 fn from_homography(seen: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Pose> {
     let count = seen.len() as f64;
     let middle = seen.iter().map(|(at, _)| at).sum::<Vector2<f64>>() / count;
@@ -222,7 +222,7 @@ mod tests {
             let left =
                 (found.translation.vector - pose.translation.vector).norm() + found.rotation.angle_to(&pose.rotation);
             assert!(left < 1e-9, "{turn:?}: {left}");
-            // Three corners, and corners in one line, do not say it.
+            // Three corners, and corners in one line, do not determine it.
             assert_eq!(board_pose(&lens, &seen[..3]), None);
             assert_eq!(board_pose(&lens, &seen[..6]), None);
         }

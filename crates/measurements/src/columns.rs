@@ -1,4 +1,4 @@
-//! What every column of a file was taken for: said in the report, so that nothing is left out without a word.
+//! How every column of a file was read: listed in the report, so that nothing is left out silently.
 
 use super::Measurements;
 use super::header::{Header, OF_TWO_TIPS, Role};
@@ -7,16 +7,16 @@ use crate::kinds::Frame;
 use denavit_model::{Inventory, Place};
 use serde::Serialize;
 
-/// A column and what it was taken for.
+/// A column and its meaning.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ColumnUse {
     /// Its name in the header row.
     pub column: String,
-    /// What it was taken for, such as `joint reading` or `label`.
+    /// Its meaning, such as `joint reading` or `label`.
     pub taken_for: String,
 }
 
-/// What the columns of a file were taken for, in its order.
+/// The meanings of a file's columns, in its order.
 pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
     let other = |name: &str| {
         let of_joint = name
@@ -64,8 +64,8 @@ pub(super) fn used(header: &Header, data: &Measurements) -> Vec<ColumnUse> {
     header.names.iter().zip(&header.roles).map(of).collect()
 }
 
-/// What became of the cells: of joints and of what was measured they are understood, others are carried as numbers or labels, and
-/// rows in which nothing was measured are reported.
+/// What happened to the cells: those of joints and measured values are understood, others are carried as numbers or labels, and
+/// rows without measured values are reported.
 pub(super) fn inventory(header: &Header, data: &Measurements) -> Inventory {
     let mut inventory = Inventory::default();
     let place = |line: usize, element: &str| Place { file: data.source.clone(), line, element: element.into() };
@@ -85,7 +85,7 @@ pub(super) fn inventory(header: &Header, data: &Measurements) -> Inventory {
     inventory
 }
 
-/// The same in a few lines, neighbours of one use together.
+/// The same in a few lines, with neighbours of the same meaning combined.
 pub fn in_words(columns: &[ColumnUse]) -> String {
     let mut parts = Vec::new();
     for together in columns.chunk_by(|a, b| a.taken_for == b.taken_for) {

@@ -1,4 +1,4 @@
-//! Rows that are exact copies of others: pasted twice, logged twice, the same file twice. They say nothing new, and as repeats
+//! Rows that are exact copies of others: pasted twice, logged twice, the same file twice. They add no information, and as repeats
 //! they would make the instrument look better than it is.
 
 use super::Measurements;
@@ -6,14 +6,14 @@ use super::scene::label_of;
 use crate::kinds::Frame;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// Rows with fewer measured numbers may agree to the last digit by chance.
+/// Rows with fewer measured values may agree to the last digit by chance.
 const NUMBERS_THAT_TELL: usize = 3;
-/// Recorded quantities that make two rows different although everything that was measured agrees.
+/// Recorded quantities that distinguish two rows with equal measured values.
 const CONDITIONS: [&str; 1] = ["payload"];
-/// The end of names of columns that do so, too.
+/// The ending of further such columns.
 const SIDE: &str = ".approach";
 
-/// What one row says, by which copies are found.
+/// The content of a row that identifies copies.
 #[derive(PartialEq, Eq, Hash)]
 struct Said<'a> {
     /// Readings, measured values and conditions, bit by bit.
@@ -26,8 +26,8 @@ impl Measurements {
     /// Indices of the rows that say the same as an earlier row of `before` or of these, digit for digit: readings, measured
     /// values, payload and sides of approach. Names of setups do not count, since each file has its own.
     ///
-    /// Rows with one or two measured numbers agree by chance; they are copies where every other column agrees as well, and where
-    /// either one of these numbers its rows or no posture shows two different values.
+    /// Rows with one or two measured values may agree by chance; they are copies only if every other column agrees as well, and if
+    /// either one of these columns numbers its rows or no posture has two different values.
     pub fn copies(&self, before: Option<&Self>) -> Vec<usize> {
         let by_chance = !self.repeats_tell();
         let hashed = |data: &Self, row: usize| {
@@ -35,7 +35,7 @@ impl Measurements {
             data.said(row).hash(&mut hasher);
             hasher.finish()
         };
-        // Of rows of one hash those of `before` come first, then these in order.
+        // Among rows with the same hash, those of `before` come first, then these in order.
         let earlier =
             before.into_iter().flat_map(|data| (0..data.len()).map(move |row| (hashed(data, row), false, row)));
         let own = (0..self.len()).map(|row| (hashed(self, row), true, row));
@@ -63,7 +63,7 @@ impl Measurements {
         copies
     }
 
-    /// The rows without those of these indices, and without what only those spoke of.
+    /// The data without the rows of these indices, and without what only those rows used.
     #[must_use]
     pub fn leaving_out(&self, rows: &[usize]) -> Self {
         let mut left_out = vec![false; self.len()];
@@ -79,7 +79,7 @@ impl Measurements {
     }
 
     fn said(&self, row: usize) -> Said<'_> {
-        // Adding 0 makes one zero of two.
+        // Adding 0 turns -0 into 0.
         let mut numbers: Vec<u64> = self.reading(row).iter().map(|value| (value + 0.0).to_bits()).collect();
         let mut seen = Vec::new();
         for observation in self.of_row(row) {
@@ -87,7 +87,7 @@ impl Measurements {
             let series = self.series_of(observation);
             let target = self.scene.targets[series.target].split('@').next().unwrap_or("");
             let point = series.point.map_or("", |point| label_of(&self.scene.points[point]));
-            // A plane is a setup, and its label is what tells it from others.
+            // A plane is a setup, identified by its label.
             let plane = if series.kind.unknowns().frame == Frame::Plane {
                 self.scene.setups[series.setup].as_str()
             } else {
@@ -104,8 +104,7 @@ impl Measurements {
         Said { numbers, seen }
     }
 
-    /// Whether rows that say the same with few numbers cannot do so by chance: no posture that was measured again shows two
-    /// different values.
+    /// Whether equal rows with few values cannot be chance: no repeated posture has two different values.
     fn repeats_tell(&self) -> bool {
         if (0..self.len()).all(|row| self.numbers_in(row) >= NUMBERS_THAT_TELL) {
             return true;
@@ -117,7 +116,7 @@ impl Measurements {
         })
     }
 
-    /// Whether two rows agree in every other column, and one of these tells rows apart.
+    /// Whether two rows agree in every other column, and one of these columns distinguishes rows.
     fn recorded_alike(&self, row: usize, other: &Self, at: usize) -> bool {
         let numbers = |column: &&super::Covariate| {
             let of = other.covariate(&column.name).map(|of| of.values[at]);
@@ -137,7 +136,7 @@ impl Measurements {
     }
 }
 
-/// What stands behind the last stroke: the label without the setup's name.
+/// The part after the last slash: the label without the setup's name.
 fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }

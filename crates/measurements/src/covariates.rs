@@ -1,8 +1,8 @@
-//! Numbers recorded beside the measurements, and the only way by which an effect gets at them.
+//! Numbers recorded beside the measurements, and the only way an effect can read them.
 //!
-//! An effect follows a [`Column`], and a column is made where every row has a value for it, or not at all: asking for it
-//! elsewhere is an error that names the file, the column and the fix. What is evaluated row by row takes the column, so that
-//! a quantity that nobody recorded cannot be read as 0: a name alone is no column, and neither is an index.
+//! An effect depends on a [`Column`], which exists only where every row has a value for it; otherwise the request is an error
+//! that names the file, the column and the fix. Code that is evaluated row by row takes the column, not a name or an index,
+//! so that a quantity that nobody recorded cannot be read as 0.
 //!
 //! ```compile_fail,E0451
 //! use denavit_measurements::Column;
@@ -40,20 +40,20 @@ pub struct Covariates {
     payload: Option<usize>,
 }
 
-/// A recorded quantity that every row of a run has: its place among the columns of that run, of any part of it and of every
-/// run whose columns are the same.
+/// A recorded quantity that every row of a run has: its index among the columns of that run, of any part of it and of every
+/// run with the same columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
     index: usize,
     name: Arc<str>,
 }
 
-/// Why a recorded quantity cannot be followed.
+/// Why an effect cannot use a recorded quantity.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MissingColumn {
-    /// No column is called so.
-    #[error("{file}: there is no column \"{column}\", and an effect follows it; record it, or leave the effect out")]
+    /// There is no column of this name.
+    #[error("{file}: there is no column \"{column}\", but an effect depends on it; record it, or leave the effect out")]
     Absent {
         /// The file.
         file: String,
@@ -62,8 +62,8 @@ pub enum MissingColumn {
     },
     /// A row has no finite number in it.
     #[error(
-        "{file}: row {row} has no value in column \"{column}\", and an effect follows it; give one, or remove the row or \
-         the column"
+        "{file}: row {row} has no value in column \"{column}\", but an effect depends on it; fill it in, or remove the row \
+         or the column"
     )]
     Incomplete {
         /// The file.
@@ -138,12 +138,12 @@ impl Covariates {
         self.columns[column.index].values.fill_with(values);
     }
 
-    /// Leaves out the rows from this one on.
+    /// Removes the rows from this one on.
     pub fn truncate(&mut self, rows: usize) {
         self.columns.iter_mut().for_each(|column| column.values.truncate(rows));
     }
 
-    /// Gives back memory that was set aside for rows that did not come.
+    /// Frees memory that was reserved for more rows.
     pub(super) fn shrink(&mut self) {
         self.columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
     }
@@ -177,7 +177,7 @@ pub struct RecordedRow<'a> {
 }
 
 impl RecordedRow<'_> {
-    /// A row beside which nothing was recorded.
+    /// A row without recorded quantities.
     pub const fn nothing() -> RecordedRow<'static> {
         const NONE: &Covariates = &Covariates::none();
         RecordedRow { columns: NONE, row: 0 }
@@ -227,12 +227,12 @@ mod tests {
         let refused = |rows, name| recorded.column("run.csv", rows, name).unwrap_err().to_string();
         assert_eq!(
             refused(3, "payload"),
-            "run.csv: there is no column \"payload\", and an effect follows it; record it, or leave the effect out"
+            "run.csv: there is no column \"payload\", but an effect depends on it; record it, or leave the effect out"
         );
         assert_eq!(
             refused(3, "temperature"),
-            "run.csv: row 2 has no value in column \"temperature\", and an effect follows it; give one, or remove the row \
-             or the column"
+            "run.csv: row 2 has no value in column \"temperature\", but an effect depends on it; fill it in, or remove the \
+             row or the column"
         );
         assert!(refused(4, "time").starts_with("run.csv: row 4 has no value in column \"time\""));
         assert!(recorded.column("run.csv", 1, "temperature").is_ok());

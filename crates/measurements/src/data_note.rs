@@ -1,13 +1,13 @@
-//! What a user must know of a file that was read.
+//! What a user must know about a file that was read.
 
 use super::rows::MOST_PROBLEMS;
 use std::fmt;
 
-/// A finding that is no failure but must not be silent.
+/// A finding that is not an error but must be reported.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum DataNote {
-    /// How the file was read, or what one of its columns was taken for.
+    /// How the file or one of its columns was read.
     ReadAs(String),
     /// A target that repeats another in every row: counted once.
     DuplicateTarget {
@@ -23,19 +23,19 @@ pub enum DataNote {
         /// Its reading, rad or m.
         at: f64,
     },
-    /// Readings outside of the joint's limits.
+    /// Readings outside the joint's limits.
     OutsideLimits {
         /// The joint.
         joint: String,
         /// How many rows.
         rows: usize,
     },
-    /// Quaternions were brought to length 1.
+    /// Quaternions were normalised.
     Normalised {
         /// The largest deviation from 1.
         by: f64,
     },
-    /// Rows in which gravity is read larger or smaller than in the others.
+    /// Rows whose gravity differs in size from that of the others.
     UnevenGravity {
         /// In most rows, in the file's unit.
         usual: f64,
@@ -66,25 +66,27 @@ impl fmt::Display for DataNote {
             Self::NeverMoves { joint, at } => {
                 write!(
                     f,
-                    "joint \"{joint}\" stands at {at} in every row; the data cannot separate its axis from its neighbours'"
+                    "joint \"{joint}\" is at {at} in every row; the data cannot separate its axis from its neighbours'"
                 )
             }
             Self::OutsideLimits { joint, rows } => {
-                write!(f, "joint \"{joint}\" is outside of its limits in {rows} rows")
+                write!(f, "joint \"{joint}\" is outside its limits in {rows} rows")
             }
-            Self::Normalised { by } => write!(f, "quaternions were brought to length 1, by up to {by:.1e}"),
+            Self::Normalised { by } => {
+                write!(f, "quaternions were normalised; their lengths differed from 1 by up to {by:.1e}")
+            }
             Self::UnevenGravity { usual, by, lines } => write!(
                 f,
-                "gravity is read as {usual:.4} in most rows and up to {:.1} % off in {} of them, lines {}; only its direction is \
+                "gravity reads {usual:.4} in most rows but is up to {:.1} % off in {} rows, lines {}; only its direction is \
                  used: did the sensor stand still, and is it calibrated?",
                 by * 100.0,
                 lines.len(),
                 listed(lines)
             ),
             Self::NothingMeasured { lines } => {
-                write!(f, "in {} rows nothing was measured, lines {}", lines.len(), listed(lines))
+                write!(f, "nothing was measured in {} rows, lines {}", lines.len(), listed(lines))
             }
-            Self::NeverSeen { target } => write!(f, "target {target} is seen in no row; it is left out"),
+            Self::NeverSeen { target } => write!(f, "no row sees target {target}; it is left out"),
         }
     }
 }

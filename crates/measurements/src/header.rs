@@ -17,9 +17,9 @@ pub(super) enum Role {
     Value(usize, usize),
     /// Standard deviation of the lengths of this group and column, or of all lengths of the row.
     Spread(Option<(usize, usize)>),
-    /// Which corner of a board the row sees, or where that is on it.
+    /// The corner of a board that the row sees, or its position on the board.
     Corner,
-    /// Whether the row only places targets.
+    /// Whether the row only locates targets.
     Locate,
     /// Something else: a number or a text.
     Other,
@@ -31,9 +31,9 @@ pub(super) struct Header {
     pub names: Vec<String>,
     pub roles: Vec<Role>,
     pub groups: Vec<Group>,
-    /// The column that says which setup a row belongs to.
+    /// The column with the setup of a row.
     pub setup: Option<usize>,
-    /// The column that says which tip a row is of, where there are several.
+    /// The column with the tip of a row, if there are several.
     pub tip: Option<usize>,
 }
 
@@ -43,36 +43,36 @@ pub(super) struct Group {
     pub kind: ObservationKind,
     pub target: String,
     pub columns: Vec<String>,
-    /// The column that tells its points apart.
+    /// The column of its points' labels.
     pub label: Option<usize>,
-    /// What tells the corners of a board apart, where it is of one.
+    /// How the corners of a board are identified, if it is of one.
     pub corner: Option<CornerOf>,
-    /// Whether two tips of the robot touch each other, or hold one tool: each row has a place of its own where they do, and the label says
-    /// which points of the tips do, or which tool.
+    /// Whether two tips of the robot touch each other, or hold one tool: each row has its own contact position, and the label names the
+    /// points of the tips, or the tool.
     pub of_two_tips: bool,
 }
 
-/// How a file says which corner of a board was seen.
+/// How a file identifies the corner of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum CornerOf {
     /// By the names of its columns: `u12`, `v12`.
     Named(String),
     /// By a column `corner`.
     Numbered(usize),
-    /// By its place on the board, in columns `board_x`, `board_y`.
+    /// By its position on the board, in columns `board_x`, `board_y`.
     Placed([usize; 2]),
 }
 
-/// The columns that say which points of two tips touch each other, and which tool two tips hold.
+/// The columns with the touching points of two tips, and with the tool that two tips hold.
 pub(super) const OF_TWO_TIPS: [(&str, ObservationKind); 2] =
     [("contact", ObservationKind::Socket), ("grip", ObservationKind::Grip)];
 
-/// The column that names what two tips hold or touch each other with, for kinds that are of two tips.
+/// The column of the touching points or the held tool, for kinds of two tips.
 pub fn word_of_two_tips(kind: ObservationKind) -> Option<&'static str> {
     OF_TWO_TIPS.iter().find(|(_, of)| *of == kind).map(|(word, _)| *word)
 }
 
-/// The columns that say where on a board a corner is.
+/// The columns with the position of a corner on the board.
 const ON_BOARD: [&str; 2] = ["board_x", "board_y"];
 
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
@@ -151,10 +151,10 @@ pub(super) fn tip_names(tips: &Tips) -> String {
     tips.all().iter().map(|tip| tip.name.as_str()).collect::<Vec<_>>().join(" or ")
 }
 
-/// What is wrong with the names as such.
+/// Errors in the names as such.
 ///
 /// # Errors
-/// The columns are separated by something else than commas: nothing else can be said then.
+/// The columns are not separated by commas: no other check is possible then.
 pub(super) fn naming(names: &[String]) -> Result<Vec<MeasurementError>, Vec<MeasurementError>> {
     if let [only] = names {
         for (separator, word) in [(';', "semicolons"), ('\t', "tabs"), (' ', "spaces")] {
@@ -226,7 +226,7 @@ fn groups(names: &[String], targets: &[String]) -> Vec<Group> {
     groups
 }
 
-/// What follows u or v in the names of pixels: nothing, or the number of a corner.
+/// The suffix after u or v in the names of pixels: empty, or the number of a corner.
 fn pixels(names: &[String]) -> Vec<String> {
     let mut corners: Vec<String> = Vec::new();
     for name in names {
@@ -316,7 +316,7 @@ fn roles(names: &[String], coordinates: &[Coordinate], groups: &[Group]) -> Vec<
     names.iter().map(role).collect()
 }
 
-/// What is wrong with the measured columns.
+/// Errors in the measured columns.
 fn measured(
     names: &[String],
     roles: &[Role],
@@ -358,8 +358,8 @@ fn missing_joint(
     no_column(coordinate, free, coordinates)
 }
 
-/// Where no joint has a column: as many columns as joints that differ by a number alone, and the map that says so. `free`:
-/// columns that are nothing else.
+/// Where no joint has a column: as many columns as joints that differ only by a number, and the map for them. `free`: columns
+/// without another meaning.
 pub(super) fn numbered_joints(free: &[&str], coordinates: &[Coordinate]) -> Option<MeasurementError> {
     let split = |name: &str| -> Option<(String, usize)> {
         let end = name.trim_end_matches([']', ')', '}']);
@@ -376,7 +376,7 @@ pub(super) fn numbered_joints(free: &[&str], coordinates: &[Coordinate]) -> Opti
     let whole = |all: &Vec<(usize, &str)>| {
         all.len() == coordinates.len() && all.windows(2).all(|pair| pair[1].0 == pair[0].0 + 1)
     };
-    // What is a position comes before velocities, and what was read before what was commanded.
+    // Positions are preferred to velocities, and actual to commanded values.
     let unlikely = |stem: &String| {
         let small = stem.to_lowercase();
         !["position", "actual_q_", "actual_q.", "actual_q["].iter().any(|word| small.contains(word))
@@ -391,7 +391,7 @@ pub(super) fn numbered_joints(free: &[&str], coordinates: &[Coordinate]) -> Opti
     Some(MeasurementError::NumberedJoints { first, last, map })
 }
 
-/// A joint without a column; `free`: columns that are nothing else.
+/// A joint without a column; `free`: columns without another meaning.
 pub(super) fn no_column<'a>(
     coordinate: &Coordinate,
     free: impl Iterator<Item = &'a str>,
@@ -414,7 +414,7 @@ fn unknown_joint(column: &str, coordinates: &[Coordinate]) -> Option<Measurement
     Some(MeasurementError::ColumnOfUnknownJoint { column: column.into(), joint: joint.into(), suggestion })
 }
 
-/// The candidate that is most like a name, if one is like it at all.
+/// The candidate most similar to a name, if there is a similar one.
 fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     candidates
         .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase()), candidate))

@@ -1,4 +1,4 @@
-//! Images of a board in a measurement file: which rows are one image, which corner a row sees, what all of them say.
+//! Images of a board in a measurement file: the rows of one image, the corner of each row, the pose of each image.
 
 use super::Measurements;
 use super::header::{CornerOf, Group, Header, Role};
@@ -23,7 +23,7 @@ impl<'a> Images<'a> {
         Self { sight, camera: Arc::new(camera), before: None }
     }
 
-    /// Whether a row is of the same image as the one before: nothing but the corner and its pixel is another.
+    /// Whether a row belongs to the same image as the one before: only the corner and its pixel differ.
     pub fn goes_on(&mut self, header: &Header, record: &csv::StringRecord) -> bool {
         if !header.roles.contains(&Role::Corner) {
             return false;
@@ -74,17 +74,17 @@ impl<'a> Images<'a> {
         (text.to_owned(), at)
     }
 
-    /// What is wrong with a pixel that the image has not.
+    /// The error for a pixel outside the image.
     pub fn outside(&self, columns: &[String], pixel: [f64; 2]) -> Option<MeasurementError> {
         let [width, height] = self.sight.lens.size?;
-        // Corners are found to parts of a pixel, at the edge as well.
+        // Corners are found to fractions of a pixel, at the edge as well.
         let outside = |(value, size): (f64, f64)| value < -1.0 || value > size + 1.0;
         let which = (0..2).find(|&k| outside((pixel[k], [width, height][k])))?;
         Some(MeasurementError::OutsideImage { column: columns[which].clone(), value: pixel[which], width, height })
     }
 }
 
-/// How far away the boards are, m: the median of all images; `None` where none says it.
+/// Distance of the boards, m: the median of all images; `None` where no image determines it.
 pub(super) fn range(data: &Measurements) -> Option<f64> {
     let mut ranges: Vec<f64> = (0..data.len())
         .flat_map(|row| together(data, row))
@@ -94,7 +94,7 @@ pub(super) fn range(data: &Measurements) -> Option<f64> {
     ranges.get(ranges.len() / 2).copied()
 }
 
-/// What the observations of a row say together: the first series of each, the kind and its numbers.
+/// The quantities that a row's observations determine together: the first series of each, the kind and its numbers.
 fn together(data: &Measurements, row: usize) -> Vec<(&Series, ObservationKind, Vec<f64>)> {
     let mut parts: Vec<Vec<(&Series, &[f64])>> = Vec::new();
     for observation in data.of_row(row) {
@@ -113,9 +113,9 @@ fn together(data: &Measurements, row: usize) -> Vec<(&Series, ObservationKind, V
 }
 
 impl Measurements {
-    /// The same with each image as the pose that it says, for a fit to start from; `None` where there is nothing of the kind.
+    /// The same with each image replaced by its board pose, for a fit to start from; `None` without images.
     ///
-    /// Setups, targets and points keep their places.
+    /// Setups, targets and points keep their indices.
     pub fn as_poses(&self) -> Option<Self> {
         if !self.scene.series.iter().any(|series| series.corner.is_some()) {
             return None;

@@ -1,4 +1,4 @@
-//! Any tracker's export as a measurement file: bytes go in, the CSV of the contract comes out.
+//! Converts any tracker's export to a measurement file: from bytes to the CSV of the contract.
 //!
 //! ```text
 //! bytes ─► text (encoding) or sheet ─► cells under names (separator, units row) ─► columns of the contract ─► CSV, m and rad
@@ -31,7 +31,7 @@ use grid::Grid;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Why an export cannot be read: what a message says behind file and line.
+/// Why an export cannot be read: the message after file and line.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImportProblem {
@@ -39,11 +39,11 @@ pub enum ImportProblem {
     #[error("there are no rows of three or more numbers; is it a text or Excel export of measurements?")]
     NoRows,
     /// A workbook that cannot be read.
-    #[error("this Excel workbook cannot be read: {0}; save it anew as .xlsx, or as CSV")]
+    #[error("this Excel workbook cannot be read: {0}; save it again as .xlsx, or as CSV")]
     Workbook(String),
     /// More columns than any measurement has.
     #[error(
-        "the line has {found} columns, and no more than {most} are read; is the file written with rows and columns exchanged, or are the \
+        "the line has {found} columns, but at most {most} are read; are rows and columns of the file exchanged, or are the \
          columns separated by something else?"
     )]
     Columns {
@@ -69,12 +69,12 @@ pub enum ImportProblem {
         column: String,
         /// Its unit.
         unit: String,
-        /// What it counts.
+        /// Its quantity.
         quantity: &'static str,
         /// Units of that.
         known: String,
     },
-    /// A cell that is no number.
+    /// A cell that is not a number.
     #[error("column \"{column}\": \"{text}\" is not a number; correct the cell or remove the row")]
     Number {
         /// The column.
@@ -126,12 +126,12 @@ pub(super) struct Fault {
     pub problem: ImportProblem,
 }
 
-/// What is said of a file beside its own text.
+/// What the user states about a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImportOptions {
     /// Which column is what.
     pub map: Option<Map>,
-    /// Columns that look like angles are these.
+    /// The order of columns that look like angles.
     pub euler: Option<EulerOrder>,
     /// Columns `rx, ry, rz` are a rotation vector.
     pub rotation_vector: bool,
@@ -154,7 +154,7 @@ pub(super) struct Imported {
     pub text: String,
     /// Whether it is in m and rad; else it is the file as it was, in the units that were stated.
     pub converted: bool,
-    /// What was taken for what, a line each; empty where nothing had to be decided.
+    /// How columns were read, a line each; empty where nothing had to be decided.
     pub taken: Vec<String>,
     /// Names of the contract and the columns that they were read from.
     pub sources: Vec<(String, String)>,
@@ -164,7 +164,7 @@ pub(super) struct Imported {
     pub ignored: Vec<(usize, String)>,
 }
 
-/// What a column of the contract counts.
+/// The quantity of a column of the contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Counts {
     Length,
@@ -191,7 +191,7 @@ struct Holes {
 }
 
 impl Holes {
-    /// The cells x, y, z of a row; empty in a row that only says how the robot stands.
+    /// The cells x, y, z of a row; empty in a row with a posture alone.
     fn place(&self, line: usize, cells: &[String]) -> Result<[String; 3], Fault> {
         let name = cells.get(self.column).map_or("", |cell| cell.trim());
         if name.is_empty() {
@@ -205,13 +205,13 @@ impl Holes {
     }
 }
 
-/// What that column is called.
+/// Name of that column.
 const HOLE: &str = "hole";
 
 /// Three or four columns of an orientation.
 enum Orientation {
     None,
-    /// The columns in the order of the turns, and the place in that order of each in the file's order.
+    /// The columns in the order of the rotations, and the index in that order of each in the file's order.
     Euler(EulerOrder, [Output; 3], [usize; 3]),
     Vector([Output; 3]),
     Quaternion([Output; 4]),
@@ -220,12 +220,12 @@ enum Orientation {
 /// s per unit.
 const TIMES: [(&str, f64); 6] =
     [("s", 1.0), ("sec", 1.0), ("seconds", 1.0), ("ms", 1e-3), ("min", 60.0), ("h", 3600.0)];
-/// °C per unit: what counts from another zero is refused.
+/// °C per unit: scales with another zero are refused.
 const TEMPERATURES: [(&str, f64); 4] = [("°c", 1.0), ("c", 1.0), ("degc", 1.0), ("celsius", 1.0)];
 /// kg per unit.
 const MASSES: [(&str, f64); 3] = [("kg", 1.0), ("g", 1e-3), ("lb", 0.453_592_37)];
 
-/// Names that say nothing of their own but stand for three angles, with the axis of each.
+/// Names of three angles whose convention must be stated, with the axis of each.
 const ANGLE_COLUMNS: [([&str; 3], Option<[usize; 3]>); 7] = [
     (["roll", "pitch", "yaw"], Some([0, 1, 2])),
     (["rx", "ry", "rz"], Some([0, 1, 2])),
@@ -236,7 +236,7 @@ const ANGLE_COLUMNS: [([&str; 3], Option<[usize; 3]>); 7] = [
     (["alpha", "beta", "gamma"], None),
 ];
 
-/// Names that stand for a quaternion whose order must be told.
+/// Names of a quaternion whose order must be stated.
 const QUATERNIONS: [[&str; 4]; 4] = [
     ["q1", "q2", "q3", "q4"],
     ["q0", "q1", "q2", "q3"],
@@ -255,7 +255,7 @@ pub(super) fn import(bytes: &[u8], chain: &Chain, units: Units, options: &Import
     };
     let cells = match grid::read(bytes, &|name| names_a_joint(name, chain)) {
         Ok(cells) => cells,
-        // The contract's own reader says what is wrong with a text that has no rows.
+        // The contract's own reader reports a text without rows.
         Err(Fault { problem: ImportProblem::NoRows, .. }) if !asked => return Ok(untouched()),
         Err(fault) => return Err(fault),
     };
@@ -313,7 +313,7 @@ pub fn cells(bytes: &[u8]) -> Result<Option<String>, ImportProblem> {
     Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// Whether a column's name is that of a joint, but for its case, its blanks and a unit in brackets.
+/// Whether a column's name is that of a joint, apart from its case, its blanks and a unit in brackets.
 fn names_a_joint(name: &str, chain: &Chain) -> bool {
     let own = plain(name);
     chain.coordinates().iter().any(|coordinate| coordinate.name == name || plain(&coordinate.name) == own)
@@ -327,7 +327,7 @@ struct Work<'a> {
     ignored: Vec<(usize, String)>,
 }
 
-/// A name as it compares: small letters, no unit in brackets, underscores for blanks and hyphens.
+/// A name in the form that is compared: lower case, no unit in brackets, underscores for blanks and hyphens.
 fn plain(name: &str) -> String {
     let own = bracketed(name).map_or(name, |(own, _)| own);
     own.trim().to_lowercase().replace([' ', '-'], "_")
@@ -371,7 +371,7 @@ impl Work<'_> {
         }
     }
 
-    /// What a number of a column is multiplied by to be in m, rad, s.
+    /// The factor that converts a column to m, rad, s.
     fn factor(&self, column: &str, unit: Option<&str>, counts: Counts) -> Result<f64, Fault> {
         let of = |word: &str, words: &[(&str, f64)]| {
             words.iter().find(|(known, _)| *known == word).map(|(_, factor)| *factor)
@@ -402,7 +402,7 @@ impl Work<'_> {
         })
     }
 
-    /// A column of the file by what a map calls it: its name, or its name and a unit in brackets.
+    /// A column of the file by its name in a map, with or without a unit in brackets.
     fn part(&self, written: &str, wanted: &str, counts: Counts) -> Result<(usize, f64), Fault> {
         let named = bracketed(written);
         let index = self.grid.column(written).or_else(|| self.grid.column(named?.0));
@@ -453,14 +453,14 @@ impl Work<'_> {
         let left: Vec<&str> =
             (0..self.grid.names.len()).filter(|k| !used.contains(k)).map(|k| self.grid.names[k].as_str()).collect();
         if !left.is_empty() {
-            self.taken.push(format!("left out, for the map does not name them: {}", left.join(", ")));
+            self.taken.push(format!("left out because the map does not name them: {}", left.join(", ")));
             let line = self.grid.header_line;
             self.ignored.extend(left.iter().map(|name| (line, format!("column \"{name}\""))));
         }
         Ok(outputs)
     }
 
-    /// The contract's name that a column's own name means, but for case, blanks and a unit.
+    /// The contract's name for a column's own name, apart from case, blanks and a unit.
     fn meaning(&self, name: &str) -> Option<String> {
         let joints = || self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone());
         let of_joints = joints().flat_map(|joint| OF_JOINTS.map(|word| format!("{joint}.{word}")));
@@ -548,7 +548,7 @@ impl Work<'_> {
             )));
         };
         let Some(order) = options.euler else { return Ok(Orientation::Vector(self.three(&columns, Counts::Angle)?)) };
-        // Columns that name their axis go where the order has that axis.
+        // Columns that name their axis are assigned by axis.
         let places = axes.map_or([0, 1, 2], |_| order.places());
         let mut sorted = columns.clone();
         for (column, place) in columns.iter().zip(places) {
@@ -566,9 +566,7 @@ impl Work<'_> {
             .parts[0]
             .0;
         if outputs.iter().any(|output| ["x", "y", "z"].contains(&output.name.as_str())) {
-            return Err(problem(
-                "‹plate› says where the holes are, and columns x, y, z say it again; leave out one of both",
-            ));
+            return Err(problem("‹plate› and columns x, y, z both give positions; leave one of them out"));
         }
         Ok(Holes { plate, column })
     }
@@ -587,7 +585,7 @@ impl Work<'_> {
             written += value;
             scaled += value * factor;
         }
-        // One unit: added up as they are written.
+        // One unit: added as written.
         let unit = output.parts[0].1;
         let alike = output.parts.iter().all(|part| part.1 == unit);
         Ok(Some(if alike { written * unit } else { scaled }))
@@ -650,7 +648,7 @@ impl Work<'_> {
                 Counts::Mass => format!(", × {} kg", factors[0]),
             };
             if output.source != output.name || !unit.is_empty() {
-                self.taken.push(format!("\"{}\" taken for {}{unit}", output.source, output.name));
+                self.taken.push(format!("\"{}\" read as {}{unit}", output.source, output.name));
             }
         }
         let names =
@@ -659,18 +657,18 @@ impl Work<'_> {
             Orientation::None => {}
             Orientation::Euler(order, columns, _) => {
                 let letters = format!("{order}");
-                self.taken.push(format!("\"{}\" taken for the angles of {letters}, in this order", names(columns)));
+                self.taken.push(format!("\"{}\" read as the angles of {letters}, in this order", names(columns)));
             }
             Orientation::Vector(columns) => {
-                self.taken.push(format!("\"{}\" taken for a rotation vector", names(columns)));
+                self.taken.push(format!("\"{}\" read as a rotation vector", names(columns)));
             }
             Orientation::Quaternion(columns) => {
-                self.taken.push(format!("\"{}\" taken for qx, qy, qz, qw", names(columns)));
+                self.taken.push(format!("\"{}\" read as qx, qy, qz, qw", names(columns)));
             }
         }
     }
 
-    /// The CSV, line by line where the file has its rows.
+    /// The CSV, with each row on its line of the file.
     fn written(
         mut self,
         mut outputs: Vec<Output>,
@@ -686,7 +684,7 @@ impl Work<'_> {
             }
             Orientation::Quaternion(columns) => columns.iter().map(|c| c.parts[0].0).collect(),
         };
-        // Columns of the orientation are nothing else.
+        // Columns of the orientation have no second use.
         outputs.retain(|output| !output.parts.iter().any(|part| turning.contains(&part.0)) || output.parts.len() > 1);
         if let Some(joints) = joints {
             let coordinates = self.chain.coordinates();
@@ -705,7 +703,7 @@ impl Work<'_> {
         }
         if let Some(Holes { plate, .. }) = holes {
             outputs.retain(|output| output.name != HOLE);
-            self.taken.push(format!("column \"hole\" taken for x, y, z on the plate ({plate})"));
+            self.taken.push(format!("column \"hole\" read as x, y, z on the plate ({plate})"));
         }
         self.said(&outputs, orientation);
         let mut lines: Vec<(usize, Vec<String>)> = Vec::with_capacity(self.grid.rows.len() + 1);
@@ -736,7 +734,7 @@ impl Work<'_> {
                     problem: ImportProblem::Count {
                         found: format!("{filled} cells"),
                         wanted: format!("{} columns", self.grid.names.len()),
-                        fix: "does a text hold the character that separates the columns? Put it in quotes",
+                        fix: "does a text contain the column separator? Put it in quotes",
                     },
                 });
             }

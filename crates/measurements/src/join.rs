@@ -1,4 +1,4 @@
-//! Several files in one fit, and the rows of some setups apart from the others.
+//! Several files in one fit, and separating the rows of some setups.
 
 use super::{Covariate, DataError, DataProblem, Label, MeasurementError, Measurements, Scene, Target, label_of};
 use crate::kinds::{Frame, ObservationKind};
@@ -9,7 +9,7 @@ use super::rows::{Problems, line_of, number, rows_of, unreadable};
 use super::units::Units;
 
 impl Measurements {
-    /// The rows of several files one after another; columns that not all of them have are left out.
+    /// The rows of several files one after another; only columns that all files have are kept.
     ///
     /// Known distances are those of all parts.
     ///
@@ -59,7 +59,7 @@ impl Measurements {
         Some(all)
     }
 
-    /// The same with this name before the name of every setup, so that each file has setups of its own.
+    /// The same with this prefix in the name of every setup, so that each file has its own setups.
     #[must_use]
     pub fn of_setup(mut self, name: &str) -> Self {
         let none = self.scene.of_same_robot();
@@ -81,7 +81,7 @@ impl Measurements {
         self
     }
 
-    /// What was observed in one setup: its rows, and which observations they hold.
+    /// The observations in one setup: its rows, and the indices of their observations.
     pub fn of_one_setup(&self, setup: usize) -> (Self, Vec<usize>) {
         let own = |observation: &usize| self.series_of(*observation).setup == setup;
         let rows: Vec<usize> = (0..self.len()).filter(|&row| self.of_row(row).any(|at| own(&at))).collect();
@@ -91,7 +91,7 @@ impl Measurements {
         (part, observations)
     }
 
-    /// The same, every socket and every tool in two tips at a place that no fit has seen: it may have been moved since.
+    /// The same with new positions for all sockets and tools held by two tips: they may have been moved since.
     #[must_use]
     pub fn placed_anew(mut self) -> Self {
         let anew: Vec<usize> = self
@@ -111,10 +111,10 @@ impl Measurements {
         self
     }
 
-    /// The rows that are of none of these setups, and those that are; a placement of sockets is a setup, too.
+    /// The rows of no setup in `setups`, and the rows of these setups; a placement of sockets is a setup, too.
     ///
     /// # Errors
-    /// The first name that is no setup's.
+    /// The first name that is not a setup.
     pub fn apart(&self, setups: &[String]) -> Result<(Self, Self), String> {
         let placement = |observation: usize| {
             let series = self.series_of(observation);
@@ -134,10 +134,10 @@ impl Measurements {
     }
 }
 
-/// The names of setup, target and point in a setup of this name; what keeps to the tip keeps its name.
+/// The names of setup, target and point in a setup of this name; targets that stay on the tip keep their names.
 pub(super) fn in_setup(kind: ObservationKind, setup: &str, target: &str, point: &str) -> (String, String, String) {
     let own = kind.own_setup();
-    // A plane is a setup, and so is a tool in a row: its label tells it apart.
+    // A plane is a setup, and so is a tool in a row, identified by its label.
     let (setup, point) = match (matches!(kind.unknowns().frame, Frame::Plane | Frame::Grip), setup.is_empty()) {
         (true, true) => (point.to_owned(), ""),
         (true, false) if !point.is_empty() => (format!("{setup}/{point}"), ""),

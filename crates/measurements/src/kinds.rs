@@ -1,6 +1,6 @@
-//! Kinds of observation: what one kind measures and how a file has it is said in one file, and nowhere else is asked which kind it is.
+//! Kinds of observation: each kind's measured values and file columns are defined in one file, and no other code depends on the kind.
 //!
-//! What an arm predicts of it is for the crate that models arms.
+//! Predictions by an arm belong to the crate that models arms.
 
 mod dial;
 mod distance;
@@ -34,15 +34,15 @@ pub enum ObservationKind {
     Plane,
     /// A dial gauge on a plate.
     Dial,
-    /// Where gravity pulls, as an accelerometer at rest reads it.
+    /// Direction of gravity, read by an accelerometer at rest.
     Gravity,
-    /// How far two axes of an inclinometer point above the horizontal.
+    /// Angles of two axes of an inclinometer above the horizontal.
     Inclination,
     /// A tool that two tips hold.
     Grip,
 }
 
-/// Every kind that a file names by its columns; of those whose columns a file has, the first is meant.
+/// Every kind that a file's columns can name; if several match, the first applies.
 pub const KINDS: [ObservationKind; 9] = [
     ObservationKind::Pose,
     ObservationKind::Position,
@@ -83,52 +83,52 @@ impl Serialize for ObservationKind {
 /// A part of an observation whose values share a unit and a noise level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {
-    /// What its errors are called, such as `position`.
+    /// Name of its errors, such as `position`.
     pub word: &'static str,
     /// Number of values: 1, 2 or 3.
     pub height: usize,
     /// `m` or `rad`.
     pub unit: &'static str,
-    /// Whether they follow the target's orientation on the tip.
+    /// Whether they depend on the target's orientation on the tip.
     pub by_turn: bool,
 }
 
-/// What is seen of the frame of a setup.
+/// The observable part of a setup's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Frame {
     /// Nothing.
     #[default]
     None,
-    /// All of it: that of the instrument, in which it reads.
+    /// All of it: the instrument's frame.
     Instrument,
-    /// All of it: that of a tool which two tips hold, in every row another.
+    /// All of it: the frame of a tool that two tips hold, different in every row.
     Grip,
     /// The plane z = 0.
     Plane,
-    /// The direction z, which gravity pulls against.
+    /// The direction z, opposite to gravity.
     Level,
 }
 
-/// What a kind takes for unknown beside the arm and the place of its target.
+/// The unknowns of a kind other than the arm and its target's position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Unknowns {
-    /// What of its setup's frame.
+    /// Of its setup's frame.
     pub frame: Frame,
     /// The orientation of the target on the tip.
     pub turn: bool,
-    /// A point that stands still in the base frame, and what it is called.
+    /// The name of a point that is fixed in the base frame.
     pub point: Option<&'static str>,
 }
 
-/// What one kind of observation is, and how a file has it.
+/// A kind of observation, and its form in a file.
 pub trait Recorded: Sync {
-    /// As in JSON and on the command line.
+    /// Its name in JSON and on the command line.
     fn name(&self) -> &'static str;
 
-    /// What rows of it are called: `positions`.
+    /// Its plural in texts: `positions`.
     fn plural(&self) -> &'static str;
 
-    /// The part that is a length; of what has none, an angle.
+    /// The part that is a length; for kinds without lengths, an angle.
     fn place(&self) -> Part;
 
     /// The part that is an angle; three values.
@@ -136,10 +136,10 @@ pub trait Recorded: Sync {
         None
     }
 
-    /// What is unknown beside arm and target.
+    /// The unknowns other than arm and target.
     fn unknowns(&self) -> Unknowns;
 
-    /// How many numbers one observation is stored in.
+    /// Number of stored values of one observation.
     fn numbers(&self) -> usize;
 
     /// Residual values: the heights of the parts.
@@ -147,7 +147,7 @@ pub trait Recorded: Sync {
         self.place().height + self.turn().map_or(0, |turn| turn.height)
     }
 
-    /// Whether it reads the place of its target in a frame at whose origin its instrument stands, as trackers and cameras do.
+    /// Whether it measures its target's position in a frame with the instrument at the origin, as trackers and cameras do.
     fn has_a_line_of_sight(&self) -> bool {
         false
     }
@@ -158,63 +158,63 @@ pub trait Recorded: Sync {
         false
     }
 
-    /// The measured place of the target in the instrument's frame, m, where that is what is measured.
+    /// The measured position of the target in the instrument's frame, m, if the kind measures it.
     fn position(&self, _values: &[f64]) -> Option<Vector3<f64>> {
         None
     }
 
-    /// The measured orientation of the target in the instrument's frame, where it is measured.
+    /// The measured orientation of the target in the instrument's frame, if the kind measures it.
     fn orientation(&self, _values: &[f64]) -> Option<Rotation3<f64>> {
         None
     }
 
-    /// Whether it is the same wherever its target sits on the tip: how that is turned is all that counts.
+    /// Whether it depends only on its target's orientation, not on the target's position on the tip.
     fn is_turned_alone(&self) -> bool {
         false
     }
 
-    /// Where gravity pulls, in the target's own axes, where that is what is measured.
+    /// Direction of gravity in the target's axes, if the kind measures it.
     fn down(&self, _values: &[f64]) -> Option<Vector3<f64>> {
         None
     }
 
-    /// What is as large in every row of a sensor that stands still, in the unit of the cells.
+    /// A quantity that is constant for a sensor at rest, in the unit of the cells.
     fn strength(&self, _cells: &[f64]) -> Option<f64> {
         None
     }
 
-    /// The column whose texts tell apart what it is of.
+    /// The column of labels of its points.
     fn label(&self) -> Option<&'static str> {
         self.unknowns().point
     }
 
-    /// What observations of one target in one row and setup say together, where none of them says it alone: another kind, and
-    /// its numbers. A fit starts from it.
+    /// A quantity that several observations of one target in one row and setup determine together, as another kind and its numbers. A
+    /// fit starts from it.
     fn together(&self, _seen: &[(&Series, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
         None
     }
 
-    /// Whether it is of the corners of a board, whose camera must be known.
+    /// Whether it observes corners of a board, with a known camera.
     fn of_a_board(&self) -> bool {
         false
     }
 
-    /// What its setup is called beside that of other instruments in the same rows; empty where it is theirs.
+    /// The name of its setup, apart from other instruments in the same rows; empty if it shares theirs.
     fn own_setup(&self) -> &'static str {
         ""
     }
 
-    /// The target that it is of, where that is another than instruments see; it is the same in every setup.
+    /// Its target, if different from the instruments' targets; it is the same in every setup.
     fn own_target(&self) -> Option<&'static str> {
         None
     }
 
-    /// Whether what is observed holds the target, so that postures cannot be chosen freely.
+    /// Whether the observation constrains the target, so that postures cannot be chosen freely.
     fn holds_the_target(&self) -> bool {
         false
     }
 
-    /// Names of its columns in a file; none where the label of its point says it all.
+    /// Names of its columns in a file; none if the label of its point is enough.
     fn columns(&self, target: &str) -> Vec<String>;
 
     /// Whether several targets can be observed at once, some of them not in every row.
@@ -222,18 +222,18 @@ pub trait Recorded: Sync {
         false
     }
 
-    /// The numbers that cells mean, appended to `values`; returns by how much they were changed to be what they must be.
+    /// Appends the values of the cells to `values`; returns by how much normalisation changed them.
     ///
     /// # Errors
-    /// The cells are no such observation.
+    /// The cells are not a valid observation.
     fn of_cells(&self, cells: &[f64], values: &mut Vec<f64>) -> Result<f64, MeasurementError>;
 
-    /// The cells that the numbers are written as.
+    /// The cells of the values in a file.
     fn to_cells(&self, values: &[f64]) -> Vec<f64> {
         values.to_vec()
     }
 
-    /// How many of the first cells are lengths.
+    /// Number of first cells that are lengths.
     fn lengths(&self) -> usize {
         self.place().height
     }

@@ -1,4 +1,4 @@
-//! A camera's lens: where in the image a point in front of it is seen, and the direction that a pixel looks in.
+//! A camera's lens: the pixel of a point in front of it, and the viewing direction of a pixel.
 //!
 //! # Source
 //! The models are those of OpenCV (`calib3d`, `fisheye`) and of ROS (REP 104, `sensor_msgs/CameraInfo`): `plumb_bob`,
@@ -11,7 +11,7 @@ pub use file::LensError;
 
 use denavit_model::nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-/// How a lens bends what it sees.
+/// The distortion of a lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distortion {
     /// k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 in OpenCV's order: `plumb_bob` has the first five.
@@ -20,22 +20,22 @@ pub enum Distortion {
     Fisheye([f64; 4]),
 }
 
-/// What is known of a camera beforehand.
+/// The known intrinsics of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     /// Pixels from coordinates on the plane one unit in front of the camera, x to the right and y down.
     pub matrix: Matrix3<f64>,
-    /// What comes before it.
+    /// The distortion, applied before the matrix.
     pub distortion: Distortion,
     /// Width and height of the image, where they are known.
     pub size: Option<[f64; 2]>,
 }
 
-/// Nearer to the camera's plane than this share of its distance a point is not in front of it.
+/// Smallest depth of a point in front of the camera, as a fraction of its distance.
 const IN_FRONT: f64 = 1e-3;
 /// Newton's steps to the direction of a pixel.
 const MOST_STEPS: usize = 30;
-/// A direction is found when it sees its pixel this well, in units of the plane.
+/// Tolerance of a direction, in units of the plane.
 const FOUND: f64 = 1e-12;
 
 impl Lens {
@@ -62,7 +62,7 @@ impl Lens {
         Vector2::new(self.matrix[(0, 2)], self.matrix[(1, 2)])
     }
 
-    /// The pixel of a point in the camera's frame (m; z forward), and how it moves with the point; `None` where the point is
+    /// The pixel of a point in the camera's frame (m; z forward), and its derivative by the point; `None` where the point is
     /// not in front of the camera.
     pub fn project(&self, point: &Vector3<f64>) -> Option<(Vector2<f64>, Matrix2x3<f64>)> {
         if point.z.is_nan() || point.z <= IN_FRONT * point.norm() {
@@ -75,7 +75,7 @@ impl Lens {
         pixel.iter().all(|value| value.is_finite()).then(|| (pixel, self.scale() * by_plane * by_point))
     }
 
-    /// Where on the plane one unit in front of the camera a pixel looks; `None` where the lens shows nothing.
+    /// The viewing direction of a pixel, as a point on the plane one unit in front of the camera; `None` where there is none.
     pub fn direction(&self, pixel: &Vector2<f64>) -> Option<Vector2<f64>> {
         let wanted = self.scale().try_inverse()? * (pixel - self.centre());
         let mut found = match self.distortion {
@@ -97,7 +97,7 @@ impl Lens {
         None
     }
 
-    /// What the lens makes of a place on the plane, and how that follows the place.
+    /// The distorted position of a point on the plane, and its derivative by the point.
     fn bent(&self, place: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         match &self.distortion {
             Distortion::Polynomial(numbers) => polynomial(place, numbers),

@@ -1,11 +1,11 @@
-//! Measured data: joint readings and what an instrument saw, row by row in the order in which they were taken.
+//! Measured data: joint readings and an instrument's measured values, row by row in the order of measurement.
 //!
 //! ```text
 //! a file ─► import ─► header, columns, units ─► read ─► Measurements ─► write
 //!                                                       scene: setups, targets, points, series of one kind each
 //! ```
-//! Lengths are m, angles rad. What an arm predicts of a row is for `denavit-identify`. For denavit's own crates: what is in it changes
-//! without notice; the names that stay are those at the root of `denavit-calibrate`.
+//! Lengths are m, angles rad. Predictions of rows are in `denavit-identify`. For denavit's own crates: its contents change
+//! without notice; the stable names are those at the root of `denavit-calibrate`.
 
 pub mod board;
 pub mod columns;
@@ -62,8 +62,8 @@ pub struct Label {
 /// A measurement file's content in SI units; row order is run order.
 ///
 /// # Shape and units
-/// With n coordinates and N rows `readings` has N·n values (rad, m), row by row in the order of `joints`. Each row has any
-/// number of observations; what they are of is said by the scene.
+/// With n coordinates and N rows `readings` has N·n values (rad, m), row by row in the order of `joints`. A row has any
+/// number of observations; the scene describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     /// The file's name, for messages.
@@ -72,25 +72,25 @@ pub struct Measurements {
     pub joints: Vec<String>,
     /// Joint readings, row by row.
     pub readings: Vec<f64>,
-    /// What was measured, of what and with what.
+    /// Targets, instruments and kinds of observation.
     pub scene: Scene,
-    /// What was measured in each row.
+    /// The observations of each row.
     pub observed: Observations,
     /// Other numeric columns.
     pub covariates: Covariates,
     /// Text columns.
     pub labels: Vec<Label>,
-    /// The angles of an orientation as the file writes them, where it writes angles; row by row.
+    /// The angles of an orientation as written in the file, if it has angles; row by row.
     pub angles: Option<WrittenAngles>,
-    /// Rows that only say where a target sits on the tip, by row index; not counted in errors.
+    /// Rows that only locate a target on the tip, by row index; not counted in errors.
     pub locate: Vec<bool>,
     /// The line of each row in its file, counted from 1.
     pub lines: Vec<usize>,
 }
 
-/// A quaternion whose length is further from 1 than this was not meant as one.
+/// Largest deviation of a quaternion's length from 1.
 pub const QUATERNION_TOLERANCE: f64 = 1e-3;
-/// Joint readings closer than this are one reading, rad or m.
+/// Joint readings closer than this are equal, rad or m.
 const SAME_READING: f64 = 1e-9;
 
 impl Measurements {
@@ -141,7 +141,7 @@ impl Measurements {
         high - low < SAME_READING
     }
 
-    /// Gives back memory that was set aside for rows that did not come.
+    /// Frees memory that was reserved for more rows.
     pub fn shrink(&mut self) {
         self.readings.shrink_to_fit();
         self.locate.shrink_to_fit();
@@ -167,7 +167,7 @@ impl Measurements {
         &self.readings[row * n..(row + 1) * n]
     }
 
-    /// What an observation belongs to.
+    /// The series of an observation.
     #[inline]
     pub fn series_of(&self, observation: usize) -> &Series {
         &self.scene.series[self.observed.series(observation)]
@@ -201,7 +201,7 @@ impl Measurements {
         self.covariates.iter().find(|covariate| covariate.name == name)
     }
 
-    /// A recorded quantity that an effect may follow: a numeric column with a value in every row.
+    /// A recorded quantity that an effect may depend on: a numeric column with a value in every row.
     ///
     /// # Errors
     /// There is no such column, or a row has no value in it.
@@ -214,7 +214,7 @@ impl Measurements {
         self.observed.len()
     }
 
-    /// No row has more residual values than this: no series is observed twice in a row.
+    /// Upper bound of the residual values of a row: no series is observed twice in a row.
     pub fn tallest_row(&self) -> usize {
         self.scene.series.iter().map(|series| series.kind.height()).sum()
     }
@@ -262,13 +262,13 @@ impl Measurements {
         }
     }
 
-    /// Leaves out the targets for which `keep` is false, and what was observed of them.
+    /// Removes the targets for which `keep` is false, and their observations.
     pub fn keep_targets(&mut self, keep: &[bool]) {
         let series = self.scene.series.clone();
         self.keep_series(|index| keep[series[index].target]);
     }
 
-    /// Leaves out series, and what only they speak of.
+    /// Removes series, and setups, targets and points that only they use.
     fn keep_series(&mut self, keep: impl Fn(usize) -> bool) {
         let none = self.scene.of_same_robot();
         let old = std::mem::replace(&mut self.scene, none);
@@ -284,7 +284,7 @@ impl Measurements {
         }
     }
 
-    /// Leaves out what no row speaks of.
+    /// Removes setups, targets and points that no row uses.
     #[must_use]
     pub fn pruned(mut self) -> Self {
         let mut seen = vec![false; self.scene.series.len()];

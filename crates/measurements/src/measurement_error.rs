@@ -1,4 +1,4 @@
-//! What can be wrong with a measurement file: each message says where, what, and the fix.
+//! Errors in a measurement file: each message states the line, the error and the fix.
 
 use std::fmt;
 use thiserror::Error;
@@ -77,14 +77,14 @@ pub enum MeasurementError {
         separator: &'static str,
     },
     /// Two columns of one name.
-    #[error("column \"{0}\" is there twice; give each its own name")]
+    #[error("column \"{0}\" appears twice; give each its own name")]
     DuplicateColumn(String),
     /// A column that lacks its name.
     #[error("column {0} has no name; name it or remove it")]
     NamelessColumn(usize),
     /// Neither joints nor poses.
     #[error(
-        "no column is a joint's or a pose's; there must be one for each of {joints}, or x,y,z with qx,qy,qz,qw or \
+        "no column belongs to a joint or a pose; there must be one for each of {joints}, or x,y,z with qx,qy,qz,qw or \
          roll,pitch,yaw"
     )]
     NeitherJointsNorPose {
@@ -103,7 +103,7 @@ pub enum MeasurementError {
     },
     /// No joint has a column, and as many columns as joints are numbered.
     #[error(
-        "no column is named as a joint; if \"{first}\" to \"{last}\" are the joints' readings in this order, say ‹columns› {map}"
+        "no column is named after a joint; if \"{first}\" to \"{last}\" are the joints' readings in this order, say ‹columns› {map}"
     )]
     NumberedJoints {
         /// The first of the columns.
@@ -118,7 +118,7 @@ pub enum MeasurementError {
         "no column holds a measured value; there must be x,y,z (with qx,qy,qz,qw for poses), or x1,y1,z1,x2,… for \
          several targets, or distance{}",
         suggestion.as_deref().map_or_else(String::new, |name| match name {
-            "hole" => "; say by ‹plate› where the holes are".into(),
+            "hole" => "; give the plate of the holes by ‹plate›".into(),
             _ => format!("; did you mean \"{name}\" to be one of them?"),
         })
     )]
@@ -163,7 +163,7 @@ pub enum MeasurementError {
     },
     /// Not a standard deviation.
     #[error(
-        "column \"{column}\": {value} is no standard deviation; write a positive number in the file's unit of length"
+        "column \"{column}\": {value} is not a standard deviation; write a positive number in the file's unit of length"
     )]
     NotADeviation {
         /// The column.
@@ -176,8 +176,8 @@ pub enum MeasurementError {
     QuaternionOfSeveral(usize),
     /// A column whose name is nearly one that has a meaning.
     #[error(
-        "column \"{column}\" is nearly \"{known}\"; write \"{known}\" if it is that, else give it a name of its own, \
-         such as \"my_{known}\""
+        "column \"{column}\" is nearly \"{known}\"; write \"{known}\" if that is meant, otherwise another name, such as \
+         \"my_{known}\""
     )]
     NearMiss {
         /// The column.
@@ -185,7 +185,7 @@ pub enum MeasurementError {
         /// The name that has a meaning.
         known: String,
     },
-    /// Columns that look like an orientation under names that mean nothing here.
+    /// Columns that look like an orientation but have unknown names.
     #[error(
         "columns {columns} look like an orientation and would be left out; {fix}, or rename them if they are something \
          else"
@@ -196,7 +196,7 @@ pub enum MeasurementError {
         /// What to do.
         fix: &'static str,
     },
-    /// `<joint>.approach` of a joint that is not there.
+    /// `<joint>.approach` of an unknown joint.
     #[error("column \"{column}\": there is no joint \"{joint}\"{}", did_you_mean(suggestion.as_deref()))]
     ColumnOfUnknownJoint {
         /// The column.
@@ -236,7 +236,7 @@ pub enum MeasurementError {
         /// What to do.
         fix: &'static str,
     },
-    /// A number that no robot and no instrument has.
+    /// A number beyond any robot or instrument.
     #[error("column \"{column}\": {text} is larger than anything that is measured; correct the cell or remove the row")]
     TooLarge {
         /// The column.
@@ -246,8 +246,8 @@ pub enum MeasurementError {
     },
     /// More columns than any measurement has.
     #[error(
-        "the header names {found} columns, and no more than {most} are read; is the file written with rows and columns exchanged, or \
-         is its first line no header?"
+        "the header names {found} columns, but at most {most} are read; are rows and columns of the file exchanged, or does it \
+         lack a header line?"
     )]
     TooManyColumns {
         /// How many.
@@ -275,20 +275,22 @@ pub enum MeasurementError {
     },
     /// Pixels, and nothing is known of the camera.
     #[error(
-        "columns u and v are pixels of a camera, of which nothing is known; name its intrinsics by ‹camera› FILE.yaml and its \
-         board by ‹board›, such as 7x5:30mm"
+        "columns u and v are pixels of an unknown camera; give its intrinsics by ‹camera› FILE.yaml and its board by \
+         ‹board›, such as 7x5:30mm"
     )]
     PixelsWithoutCamera,
     /// A camera, and no pixels.
-    #[error("a camera was named, but no columns are pixels; there must be u,v with corner, or u0,v0,u1,v1,… by corner")]
-    NoPixels,
-    /// Pixels of nobody knows which corner.
     #[error(
-        "columns u, v do not say of which corner of the board they are; add a column corner with its number, or board_x,board_y"
+        "a camera was given, but no columns hold pixels; there must be u,v with corner, or u0,v0,u1,v1,… by corner"
+    )]
+    NoPixels,
+    /// Pixels without a corner.
+    #[error(
+        "columns u, v do not say which corner of the board they show; add a column corner with its number, or board_x,board_y"
     )]
     WhichCorner,
     /// Numbers of corners, and no board.
-    #[error("corners are numbered, and the board is not known; give its squares by ‹board›, such as 7x5:30mm")]
+    #[error("corners are numbered, but the board is unknown; give its squares by ‹board›, such as 7x5:30mm")]
     NoBoard,
     /// A number that no corner of the board has.
     #[error("corner \"{corner}\" is not on the board ({board}: corners 0 to {last})")]
@@ -300,9 +302,9 @@ pub enum MeasurementError {
         /// The largest number.
         last: usize,
     },
-    /// A corner that is there twice in one image.
+    /// A corner that appears twice in one image.
     #[error(
-        "corner \"{corner}\" is there twice in one image; leave one of them out, or tell the images apart in a column image"
+        "corner \"{corner}\" appears twice in one image; remove one of them, or number the images in a column image"
     )]
     CornerTwice {
         /// As written.
@@ -319,14 +321,14 @@ pub enum MeasurementError {
     /// Gravity without a direction.
     #[error("gravity_x, gravity_y and gravity_z are all 0; leave the three cells empty where nothing was read")]
     NoDirection,
-    /// Two angles above the horizontal that no two axes at right angles to each other have.
+    /// Two inclinations that two axes at right angles cannot have.
     #[error(
-        "inclination_x {:.4} and inclination_y {:.4} rad are no angles of two axes at right angles to each other above the horizontal; \
-         if the file is in degrees, say ‹units› m,deg",
+        "two axes at right angles cannot be inclination_x {:.4} and inclination_y {:.4} rad above the horizontal; if the file is in \
+         degrees, say ‹units› m,deg",
         .0[0], .0[1]
     )]
     NotTwoInclinations([f64; 2]),
-    /// Several tips, and no word on which a row is of.
+    /// Several tips, and no column that names the tip of a row.
     #[error(
         "there is no column \"tip\", but several tips are calibrated; add one that names the tip of each row: {tips}"
     )]
@@ -355,13 +357,13 @@ pub enum MeasurementError {
     },
     /// Contacts or grips of a robot that is calibrated to one tip.
     #[error(
-        "column \"{0}\": it is of two tips of the robot, and one is named; name both (‹tip› LINK ‹tip› LINK), or call a \
+        "column \"{0}\" needs two tips of the robot, but one is named; name both (‹tip› LINK ‹tip› LINK), or call a \
          place that does not move with the robot a socket"
     )]
     TwoTipsOfOne(&'static str),
     /// A row of another tip than the one that is calibrated.
     #[error(
-        "column \"tip\": the row is of \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \
+        "column \"tip\": the row belongs to \"{found}\", but the chain ends at \"{tip}\"; name every tip that is calibrated \
          (‹tip› {tip} ‹tip› {found}), or give the column another name where it means something else"
     )]
     AnotherTip {
@@ -372,7 +374,7 @@ pub enum MeasurementError {
     },
     /// A pixel that is not in the image.
     #[error(
-        "column \"{column}\": {value} is outside of the image of {width} x {height} pixels; are these this camera's pixels?"
+        "column \"{column}\": {value} is outside the image of {width} x {height} pixels; are these this camera's pixels?"
     )]
     OutsideImage {
         /// The column.
@@ -386,15 +388,15 @@ pub enum MeasurementError {
     },
     /// No image says where the board is.
     #[error(
-        "no image shows four corners of the board that are not in one line, as a camera must see them to know where it is; \
-         check ‹board›, ‹camera› and the numbers of the corners"
+        "no image shows four corners of the board that are not in one line, but the camera's pose needs them; check \
+         ‹board›, ‹camera› and the numbers of the corners"
     )]
     NoBoardPose,
     /// A distance that is not positive.
     #[error("distance {0} is not positive; it is the length in m from the anchor to the target")]
     NotPositive(f64),
     /// A side other than +1 and -1.
-    #[error("column \"{column}\": {value} is no side; write 1 or -1, and 0 where it is not known")]
+    #[error("column \"{column}\": {value} is not a side; write 1 or -1, or 0 where it is unknown")]
     NotASide {
         /// The column.
         column: String,
@@ -460,7 +462,7 @@ fn did_you_mean(suggestion: Option<&str>) -> String {
 fn mend_for_joint(suggestion: Option<&str>, joints: &str) -> String {
     suggestion.map_or_else(
         || format!("the file needs one column for each of {joints}"),
-        |name| format!("did you mean it by column \"{name}\"? Rename that column"),
+        |name| format!("did you mean column \"{name}\"? Rename that column"),
     )
 }
 
@@ -470,7 +472,7 @@ fn mend_for_text(text: &str) -> &'static str {
     } else if FAULTS.contains(&text) {
         "the spreadsheet could not compute it: correct the cell or remove the row"
     } else if text.starts_with('#') {
-        "comments stand on lines of their own"
+        "write a comment on a line of its own"
     } else {
         "correct the cell or remove the row"
     }

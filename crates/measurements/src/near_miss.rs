@@ -1,15 +1,15 @@
-//! Columns whose names are nearly names that have a meaning: read as something else they would be lost without a word.
+//! Columns whose names are nearly known names: read as something else they would be lost without notice.
 
 use super::known_columns::{KNOWN_COVARIATES, KNOWN_VALUES, OF_JOINTS};
 use super::measurement_error::MeasurementError;
 use denavit_model::Coordinate;
 
-/// Names of that many letters may have one letter wrong.
+/// Names of at least this many letters may have one wrong letter.
 const LONG: usize = 6;
 
 const EULER: &str = "write the orientation as a quaternion, in columns qx, qy, qz, qw, or say what the angles are (‹euler› \
                      xyz, ZYX, …; ‹rotation-vector›)";
-const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by what they mean and not by their place, or say \
+const QUATERNION: &str = "name a quaternion's columns qx, qy, qz, qw, by meaning and not by position, or give \
                           their order (‹quaternion› wxyz)";
 
 /// Names that programs give to three or four numbers of an orientation, and what to do with them.
@@ -28,13 +28,13 @@ const ORIENTATIONS: [(&[&str], &str); 12] = [
     (&["rotationx", "rotationy", "rotationz"], EULER),
 ];
 
-/// A name as it compares: small letters, no unit in brackets, no blanks, underscores, hyphens or dots.
+/// A name in the form that is compared: lower case, no unit in brackets, no blanks, underscores, hyphens or dots.
 fn plain(name: &str) -> String {
     let before = name.split(['(', '[', '{']).next().unwrap_or(name);
     before.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Whether a column that means nothing is nearly one that does.
+/// Whether an unknown column is nearly a known one.
 pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]) -> Option<MeasurementError> {
     let own = plain(name);
     let of_joints = coordinates.iter().flat_map(|c| OF_JOINTS.map(|word| format!("{}.{word}", c.name)));
@@ -45,12 +45,12 @@ pub(super) fn near_miss(name: &str, names: &[String], coordinates: &[Coordinate]
     }
     let typed = |known: &&String| known.len() >= LONG && strsim::osa_distance(&own, &plain(known)) <= 1;
     let known = known.iter().find(|known| own == plain(known)).or_else(|| known.iter().find(typed))?.clone();
-    // Several targets are numbered: X beside x1 is no slip of the first of them.
+    // Several targets are numbered: X beside x1 is not a misspelt x1.
     let numbered = known.len() == 1 && !names.contains(&known) && names.iter().any(|name| name == "x1");
     (!numbered).then(|| MeasurementError::NearMiss { column: name.into(), known })
 }
 
-/// Columns that together look like an orientation, among those whose names mean nothing.
+/// Unknown columns that together look like an orientation.
 pub(super) fn orientation_left_out(others: &[&String]) -> Option<MeasurementError> {
     ORIENTATIONS.iter().find_map(|(group, fix)| {
         let found =

@@ -1,4 +1,4 @@
-//! Observations in columns: which series each belongs to, and its numbers.
+//! Observations in columns: the series of each, and its values.
 
 use denavit_model::nalgebra::Matrix3;
 use std::ops::Range;
@@ -12,8 +12,8 @@ pub struct Observations {
     /// First number of each observation, and the end of the last.
     firsts: Vec<u32>,
     numbers: Vec<f64>,
-    /// What the lengths of each observation are multiplied by, in the axes that it is measured in, so that all have the
-    /// standard deviation of their channel; empty where they have.
+    /// Factor on the lengths of each observation, in its measured axes, that gives all of them the standard deviation of their
+    /// channel; empty where none is needed.
     levels: Vec<Matrix3<f64>>,
 }
 
@@ -24,7 +24,7 @@ impl Default for Observations {
 }
 
 impl Observations {
-    /// Appends an observation to the row that is being filled.
+    /// Appends an observation to the current row.
     ///
     /// # Shape and units
     /// `values`: as many as the series' kind stores, in its units.
@@ -37,7 +37,7 @@ impl Observations {
         }
     }
 
-    /// Appends an observation of others, as sure as it is there.
+    /// Appends an observation of `others` with its precision.
     pub fn adopt(&mut self, series: usize, others: &Self, observation: usize) {
         self.push(series, others.values(observation));
         if let Some(level) = others.level(observation) {
@@ -46,7 +46,7 @@ impl Observations {
         }
     }
 
-    /// Gives back memory that was set aside for more.
+    /// Frees memory that was reserved for more.
     pub(super) fn shrink(&mut self) {
         self.starts.shrink_to_fit();
         self.series.shrink_to_fit();
@@ -59,14 +59,14 @@ impl Observations {
         self.starts.push(short(self.series.len()));
     }
 
-    /// Takes the last row up again: what is pushed next belongs to it until it is ended.
+    /// Reopens the last row: the next pushes belong to it until it is ended.
     pub(super) fn resume_row(&mut self) {
         if self.starts.len() > 1 {
             self.starts.pop();
         }
     }
 
-    /// The observations of the row that is being filled.
+    /// The observations of the current row.
     pub(super) fn since_row_began(&self) -> Range<usize> {
         self.starts[self.starts.len() - 1] as usize..self.series.len()
     }
@@ -109,23 +109,23 @@ impl Observations {
         &self.numbers[self.firsts[observation] as usize..self.firsts[observation + 1] as usize]
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     pub fn values_mut(&mut self, observation: usize) -> &mut [f64] {
         &mut self.numbers[self.firsts[observation] as usize..self.firsts[observation + 1] as usize]
     }
 
-    /// What makes an observation as sure as its channel; `None` where all are.
+    /// The factor that gives an observation the precision of its channel; `None` where none needs one.
     #[inline]
     pub fn level(&self, observation: usize) -> Option<&Matrix3<f64>> {
         self.levels.get(observation)
     }
 
-    /// Whether some observations are surer than others.
+    /// Whether observations differ in precision.
     pub fn has_levels(&self) -> bool {
         !self.levels.is_empty()
     }
 
-    /// Sets how sure each observation is: see [`Observations::level`].
+    /// Sets the precision factor of each observation: see [`Observations::level`].
     ///
     /// # Shape and units
     /// One matrix per observation.
@@ -153,7 +153,7 @@ impl Observations {
     }
 }
 
-/// Indices in half the room.
+/// Indices in half the memory.
 fn short(index: usize) -> u32 {
     u32::try_from(index).expect("four thousand million numbers are more than anybody measures")
 }

@@ -1,4 +1,4 @@
-//! A plate with a grid of conical holes: what touches a hole with the tip has measured a position, for where the hole is on
+//! A plate with a grid of conical holes: touching a hole with the tip measures a position, since the position of the hole on
 //! the plate is known.
 
 use super::board::grid;
@@ -12,7 +12,7 @@ const MOST: usize = 26;
 
 /// A plate by its holes.
 ///
-/// Hole A1 is the origin of the plate's frame, its x leads to A2, its y to B1, and z out of the plate. The places are those of
+/// Hole A1 is the origin of the plate's frame, x points to A2, y to B1, and z out of the plate. The positions are those of
 /// the ball's or the point's centre in its hole: all at the same height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate {
@@ -24,11 +24,11 @@ pub struct Plate {
     pub pitch: f64,
 }
 
-/// A text that is no plate.
+/// A text that is not a plate.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "\"{0}\" is no plate; write the holes of a row, the rows, and the distance from hole to hole, such as 4x3:40mm (2 to 26 holes \
-     either way)"
+    "\"{0}\" is not a plate; write the holes per row, the number of rows and the hole spacing, such as 4x3:40mm (2 to 26 holes \
+     each way)"
 )]
 pub struct PlateError(pub String);
 
@@ -49,7 +49,7 @@ impl fmt::Display for Plate {
 }
 
 impl Plate {
-    /// Names and places of the holes, row by row, m.
+    /// Names and positions of the holes, row by row, m.
     pub fn holes(&self) -> impl Iterator<Item = (String, Vector2<f64>)> + '_ {
         (0..self.rows).flat_map(move |row| {
             (0..self.columns).map(move |column| {
@@ -59,7 +59,7 @@ impl Plate {
         })
     }
 
-    /// Where a hole is on the plate, m; `None` where the plate has no hole of that name.
+    /// Position of a hole on the plate, m; `None` where the plate has no hole of that name.
     pub fn hole(&self, name: &str) -> Option<Vector2<f64>> {
         let name = name.trim();
         self.holes().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, place)| place)

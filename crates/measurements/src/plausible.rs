@@ -1,4 +1,4 @@
-//! Whether measured data can belong to the chain, and what a user must know of them.
+//! Whether measured data can belong to the chain, and notes on them.
 
 use super::Measurements;
 use super::data_note::DataNote;
@@ -6,17 +6,17 @@ use super::measurement_error::MeasurementError;
 use denavit_model::nalgebra::Vector3;
 use denavit_model::{Chain, Quantity};
 
-/// Readings may be this many times beyond the limits before another unit is the likely reason.
+/// Readings this many times beyond the limits suggest another unit.
 const BEYOND_LIMITS: f64 = 3.0;
-/// Measured lengths may be this many times beyond the reach.
+/// Measured lengths this many times beyond the reach suggest another unit.
 const BEYOND_REACH: f64 = 4.0;
-/// Targets closer than this in every row are one target, m.
+/// Targets closer than this in every row are the same target, m.
 const SAME_TARGET: f64 = 1e-9;
 
-/// Leaves out targets that repeat another one or that no row sees.
+/// Removes targets that repeat another one or that no row sees.
 pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
     let count = data.scene.targets.len();
-    // Targets of several setups are never seen in one row: they are no twins.
+    // Targets of several setups are never seen in one row: they are not duplicates.
     if data.scene.setups.len() > 1 || !data.scene.kinds().iter().all(|kind| kind.of_several()) {
         return;
     }
@@ -44,7 +44,7 @@ pub(super) fn drop_targets(data: &mut Measurements, notes: &mut Vec<DataNote>) {
     }
 }
 
-/// Problems that only the values as a whole show: units, nothing seen.
+/// Problems that only all values together show: units, nothing seen.
 pub(super) fn problems(data: &Measurements, chain: &Chain) -> Vec<(u64, MeasurementError)> {
     if data.scene.targets.is_empty() {
         return vec![(0, MeasurementError::NothingSeen)];
@@ -97,7 +97,7 @@ fn lengths_in_other_units(data: &Measurements, chain: &Chain) -> Option<Measurem
     (span > BEYOND_REACH * reach.max(1e-3)).then_some(MeasurementError::BeyondReach { what, span, reach })
 }
 
-/// Findings that are no failure.
+/// Findings that are not errors.
 pub(super) fn notes(data: &Measurements, chain: &Chain) -> Vec<DataNote> {
     let mut notes = Vec::new();
     for (index, coordinate) in chain.coordinates().iter().enumerate() {

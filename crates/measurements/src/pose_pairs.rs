@@ -1,4 +1,4 @@
-//! Reading pairs of poses: where the robot's tip was, and what an instrument saw there, without joint readings.
+//! Reading pairs of poses: the robot's tip and the pose measured by an instrument, without joint readings.
 
 use super::header::naming;
 use super::import::AngleConvention;
@@ -23,7 +23,7 @@ pub struct PosePairs {
     pub unseen: Vec<usize>,
 }
 
-/// What three numbers of an orientation mean, of the robot and of what was seen.
+/// Meaning of three numbers of an orientation, for the robot and for the measured pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairAngles {
     /// Of `robot_rx,robot_ry,robot_rz`.
@@ -39,7 +39,7 @@ impl Default for PairAngles {
     }
 }
 
-/// What begins the names of the robot's columns.
+/// Prefix of the robot's columns.
 const ROBOT: &str = "robot_";
 
 const PLACE: [&str; 3] = ["x", "y", "z"];
@@ -47,7 +47,7 @@ const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
 const TURN: [&str; 3] = ["rx", "ry", "rz"];
 const RPY: [&str; 3] = ["roll", "pitch", "yaw"];
 
-/// Where the columns of one pose are.
+/// Indices of the columns of one pose.
 struct Columns {
     place: [usize; 3],
     turn: Turn,
@@ -62,10 +62,10 @@ enum Turn {
 /// Reads pairs of poses.
 ///
 /// # Shape and units
-/// CSV with a header row; `#` lines are comments. `robot_x, robot_y, robot_z` and the robot's orientation beside `x, y, z` and
-/// that of what was seen; an orientation is `qx, qy, qz, qw`, or `rx, ry, rz` (a rotation vector unless `angles` says
-/// otherwise), or `roll, pitch, yaw`. `units` are the file's. A row without any cell of what was seen is one in which nothing was
-/// seen. Other columns are left alone.
+/// CSV with a header row; `#` lines are comments. `robot_x, robot_y, robot_z` and the robot's orientation, and `x, y, z` and the
+/// measured orientation; an orientation is `qx, qy, qz, qw`, or `rx, ry, rz` (a rotation vector unless `angles` says
+/// otherwise), or `roll, pitch, yaw`. `units` are the file's. In a row with no measured cells nothing was seen. Other columns are
+/// ignored.
 ///
 /// # Errors
 /// All problems found, each with file and line.

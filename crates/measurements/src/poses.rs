@@ -50,7 +50,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     read_export(source, input, chain, units, &ImportOptions::default())
 }
 
-/// As [`read`], and what is said of the file's columns is followed.
+/// As [`read`], with options that describe the file's columns.
 ///
 /// # Errors
 /// As [`read`].
@@ -72,7 +72,7 @@ pub fn read_joints(source: &str, input: impl Read, chain: &Chain, units: Units) 
     read_joints_of_export(source, input, chain, units, &ImportOptions::default())
 }
 
-/// As [`read_joints`], and what is said of the file's columns is followed.
+/// As [`read_joints`], with options that describe the file's columns.
 ///
 /// # Errors
 /// As [`read`].
@@ -309,9 +309,10 @@ mod tests {
     fn problems_are_named_with_their_line() {
         let failed = |text: &str| read_text(text).unwrap_err();
         assert!(
-            failed("a,b\n1,2\n").starts_with("p.csv:1: no column is a joint's or a pose's; there must be one for each")
+            failed("a,b\n1,2\n")
+                .starts_with("p.csv:1: no column belongs to a joint or a pose; there must be one for each")
         );
-        assert!(failed("joint_1,joint2\n1,2\n").contains("did you mean it by column \"joint2\"?"));
+        assert!(failed("joint_1,joint2\n1,2\n").contains("did you mean column \"joint2\"?"));
         assert_eq!(
             failed("x,y,qx,qy,qz,qw\n1,2,0,0,0,1\n"),
             "p.csv:1: column \"z\" is missing beside \"x\"; x, y, z, qx, qy, qz, qw belong together"

@@ -1,14 +1,14 @@
-//! Rows by posture: those whose readings are the same stand together.
+//! Rows grouped by posture: those with equal readings.
 
 use super::Measurements;
 
-/// Readings nearer than this are one posture, rad or m: far below what a controller repeats.
+/// Readings closer than this are one posture, rad or m: far below a controller's repeatability.
 const SAME_POSTURE: f64 = 1e-6;
 
-/// Readings nearer than this are one posture measured again, rad or m: what encoders show of a pose that is held or taken again.
+/// Readings closer than this are one posture measured again, rad or m: the scatter of encoders when a pose is held or repeated.
 const TAKEN_AGAIN: f64 = 5e-4;
 
-/// Indices of rows, those of one posture together.
+/// Indices of rows, grouped by posture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Postures {
     rows: Vec<usize>,
@@ -40,15 +40,15 @@ impl Postures {
 }
 
 impl Measurements {
-    /// Indices of the rows by posture: rows whose readings agree to a microradian and a micrometre stand together, in order.
+    /// Indices of the rows by posture: groups rows whose readings agree to a microradian and a micrometre, in order.
     pub fn postures(&self) -> Postures {
-        // Adding 0 makes one zero of two.
+        // Adding 0 turns -0 into 0.
         let key = |row: usize, joint: usize| (self.reading(row)[joint] / SAME_POSTURE).round() + 0.0;
         let joints = self.joints.len();
         let order = |a: usize, b: usize, from: usize| {
             (from..joints).map(|joint| key(a, joint).total_cmp(&key(b, joint))).find(|order| order.is_ne())
         };
-        // The first joint tells most rows apart: its key is computed once.
+        // The first joint distinguishes most rows: its key is computed once.
         let first = |row: usize| if joints > 0 { key(row, 0) } else { 0.0 };
         let mut keyed: Vec<(f64, usize)> = (0..self.len()).map(|row| (first(row), row)).collect();
         keyed.sort_unstable_by(|(key, row), (other_key, other)| {
@@ -61,13 +61,13 @@ impl Measurements {
         Postures { rows, ends }
     }
 
-    /// Whether two rows see two tips of the robot in one posture.
+    /// Whether two rows measure two tips of the robot in one posture.
     pub fn same_posture_of_other_tip(&self, row: usize, other: usize) -> bool {
         let near = || self.reading(row).iter().zip(self.reading(other)).all(|(a, b)| (a - b).abs() <= SAME_POSTURE);
         self.tip_of(row) != self.tip_of(other) && near()
     }
 
-    /// Indices of about this many rows, at most all, spread evenly over the run; those that see several tips in one posture go together.
+    /// Indices of about this many rows, at most all, spread evenly over the run; rows of several tips in one posture stay together.
     pub fn spread_by_posture(&self, count: usize) -> Vec<usize> {
         let begins = |row: &usize| *row == 0 || !self.same_posture_of_other_tip(*row - 1, *row);
         let firsts: Vec<usize> = (0..self.len()).filter(begins).chain([self.len()]).collect();
@@ -76,9 +76,9 @@ impl Measurements {
         (0..wanted).map(|k| k * all / wanted).flat_map(|k| firsts[k]..firsts[k + 1]).collect()
     }
 
-    /// For each row the first row that took the same posture: readings that agree to half a milliradian and half a millimetre.
+    /// For each row the first row of the same posture: readings that agree to half a milliradian and half a millimetre.
     ///
-    /// Rows of one posture share what the model misses there, so they are never split between rows that are fitted and rows that judge.
+    /// Rows of one posture share the model's error there, so they are never split between fit and test.
     pub fn first_of_posture(&self) -> Vec<usize> {
         let joints = self.joints.len();
         let mut first: Vec<usize> = (0..self.len()).collect();
@@ -87,7 +87,7 @@ impl Measurements {
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             high - low
         };
-        // Along the joint that moves most few rows are neighbours.
+        // Along the joint that moves most, few rows are neighbours.
         let Some(along) = (0..joints).max_by(|a, b| range(a).total_cmp(&range(b))) else { return first };
         let at = |row: usize| self.reading(row)[along];
         let mut order = first.clone();
@@ -105,7 +105,7 @@ impl Measurements {
                 leaders.push(row);
             }
         }
-        // The leader is the lowest along that joint; the first is the one that was taken first.
+        // The leader is the lowest along that joint; the first is the earliest row.
         for row in (0..self.len()).rev() {
             first[led_by[row]] = row;
         }

@@ -18,26 +18,26 @@ use encoding_rs::WINDOWS_1252;
 use std::io::Read;
 use std::sync::Arc;
 
-/// So much of a file shows what form it has; one that is larger, and in the contract's form, is read row by row.
+/// Bytes of a file that show its form; a larger file in the contract's form is read row by row.
 const HEAD: u64 = 1 << 18;
-/// No recorded number is larger: the time since 1970 in nanoseconds has 19 digits.
+/// Largest recorded number: the time since 1970 in nanoseconds has 19 digits.
 const LARGEST_RECORDED: f64 = 1e20;
-/// An accelerometer at rest reads gravity as large in every posture, but for scales and zeros of its axes of as much; relative.
+/// Largest relative deviation of gravity read by an accelerometer at rest, due to scales and zeros of its axes.
 const UNEVEN: f64 = 0.02;
-/// No instrument is surer than this, m.
+/// Smallest standard deviation of an instrument, m.
 const LEAST_DEVIATION: f64 = 1e-12;
 
-/// A measurement file's content and what a user must know of it.
+/// A measurement file's content and notes for the user.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Loaded {
     /// The content, SI units.
     pub data: Measurements,
-    /// Findings that are no failure.
+    /// Findings that are not errors.
     pub notes: Vec<DataNote>,
-    /// What every column was taken for, in the file's order.
+    /// The meaning of every column, in the file's order.
     pub columns: Vec<ColumnUse>,
-    /// What became of every cell: understood, carried as a recorded number or a label, or not read, which a note says.
+    /// What happened to every cell: understood, carried as a recorded number or a label, or not read, with a note.
     pub inventory: Inventory,
 }
 
@@ -55,7 +55,7 @@ pub fn read(source: &str, input: impl Read, chain: &Chain, units: Units) -> Resu
     read_export(source, input, chain, units, &ImportOptions::default())
 }
 
-/// As [`read`], and what is said of the file's columns is followed.
+/// As [`read`], with options that describe the file's columns.
 ///
 /// # Errors
 /// As [`read`].
@@ -92,14 +92,14 @@ pub fn read_export(
     Ok(loaded)
 }
 
-/// Whether the first lines of a file need no importing.
+/// Whether the first lines of a file need no import.
 fn begins_in_our_form(head: &[u8], chain: &Chain, units: Units, options: &ImportOptions) -> bool {
     let lines = &head[..head.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1)];
     import(lines, chain, units, options)
         .is_ok_and(|imported| !imported.converted && imported.taken.is_empty() && imported.text.as_bytes() == lines)
 }
 
-/// A file in the contract's form, whatever form it has.
+/// A file of any form, converted to the contract's form.
 pub(super) fn in_our_form(
     source: &str,
     mut input: impl Read,
@@ -156,7 +156,7 @@ fn read_contract(
     Ok(loaded)
 }
 
-/// A column that is neither joint nor measured value, while it is not known whether it holds numbers.
+/// A column that is neither joint nor measured value, before it is known whether it holds numbers.
 struct OtherColumn {
     name: String,
     factor: f64,
@@ -164,7 +164,7 @@ struct OtherColumn {
     texts: Vec<String>,
     /// The first cell that is not a number: row index, line, text.
     first_text: Option<(usize, u64, String)>,
-    /// The first number that is larger than any that is recorded: line, text.
+    /// The first number above the largest recorded number: line, text.
     beyond: Option<(u64, String)>,
     must_be_numeric: bool,
 }
@@ -177,12 +177,12 @@ struct Table<'a> {
     normalised_by: f64,
     /// Which series a group's observations in a setup, with a label, at a tip, belong to.
     series: Vec<(usize, String, String, usize, usize)>,
-    /// The tips, where there are several, and that of the row that is read.
+    /// The tips, if there are several, and the current row's.
     tips: Option<Arc<Tips>>,
     tip: usize,
     /// Standard deviations of the lengths of each observation, m.
     spreads: Vec<[f64; 3]>,
-    /// Lines, and how large there what is as large in every row of a sensor that stands still.
+    /// Lines, and the size there of a quantity that is constant for a sensor at rest.
     strengths: Vec<(u64, f64)>,
     /// The camera, where there is one.
     images: Option<Images<'a>>,
@@ -221,7 +221,7 @@ impl<'a> Table<'a> {
         let joints = coordinates.iter().map(|coordinate| coordinate.name.clone()).collect();
         let mut data = Measurements::empty(source, joints, Scene::of_tips(tips.cloned()));
         let mut series = Vec::new();
-        // What no label tells apart is there although no row may see it.
+        // Series without labels exist even if no row observes them.
         for (group, of) in header.groups.iter().enumerate() {
             if header.setup.is_none() && header.tip.is_none() && of.label.is_none() && of.corner.is_none() {
                 let (setup, target, _) = in_setup(of.kind, "", &of.target, "");
@@ -246,7 +246,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The row as one of its tips sees it.
+    /// The row for one of its tips.
     fn row_at_tip(&mut self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) {
         let row = self.data.lines.len();
         let goes_on = self.images.as_mut().is_some_and(|images| images.goes_on(self.header, record));
@@ -281,7 +281,7 @@ impl<'a> Table<'a> {
                 && cell.is_empty()
                 && self.tips.as_ref().is_some_and(|tips| !tips[self.tip].coordinates[index])
             {
-                // It has no part in where this tip is.
+                // It does not move this tip.
                 continue;
             }
             let value = match number(name, cell) {
@@ -335,7 +335,7 @@ impl<'a> Table<'a> {
         self.data.end_row(&reading, usize::try_from(line).unwrap_or(usize::MAX), locate);
     }
 
-    /// The tip that a row is of, or both that touch each other; none where it names no tip.
+    /// The tip of a row, or both tips of a contact; none where it names no tip.
     fn tips_of(&self, record: &csv::StringRecord, line: u64, problems: &mut Problems<'_>) -> Vec<usize> {
         let (Some(tips), Some(column)) = (&self.tips, self.header.tip) else { return vec![0] };
         let found = record.get(column).unwrap_or("");
@@ -356,12 +356,12 @@ impl<'a> Table<'a> {
         Vec::new()
     }
 
-    /// What a target of the row that is read is called, and the tip that it sits on.
+    /// The name of a target of the current row, and its tip.
     fn target(&self, name: &str) -> String {
         self.tips.as_ref().map_or_else(|| name.to_owned(), |tips| target_on(&tips[self.tip].name, name))
     }
 
-    /// What the cells of a group say; all of them empty: not seen.
+    /// The observation in the cells of a group; not seen if all are empty.
     fn observation(
         &mut self,
         line: u64,
@@ -447,7 +447,7 @@ impl<'a> Table<'a> {
 
     fn series_of(&mut self, group: usize, setup: &str, label: &str, line: u64) -> usize {
         let (tip, of) = (self.tip, &self.header.groups[group]);
-        // Where two tips touch, the label is of their points, and the place is the row's own.
+        // Where two tips touch, the label names their points, and each row has its own contact position.
         let (target, label) = if of.of_two_tips {
             (format!("{} {label}", of.target), format!("{label}, line {line}"))
         } else {
@@ -465,7 +465,7 @@ impl<'a> Table<'a> {
         series
     }
 
-    /// Whether rows say how sure they are.
+    /// Whether rows have standard deviations.
     fn has_spreads(&self) -> bool {
         self.header.roles.iter().any(|role| matches!(role, Role::Spread(_)))
     }
@@ -476,7 +476,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// How sure each observation is, beside the others of its channel.
+    /// The precision of each observation relative to its channel.
     fn levels(&mut self) {
         if !self.has_spreads() {
             return;
@@ -516,7 +516,7 @@ impl<'a> Table<'a> {
             return Err(problems.error());
         }
         let mut notes = Vec::new();
-        // Rounding to six digits is not worth a word.
+        // Rounding to six digits needs no note.
         if self.normalised_by > 1e-5 {
             notes.push(DataNote::Normalised { by: self.normalised_by });
         }
@@ -562,7 +562,7 @@ fn uneven(strengths: &[(u64, f64)]) -> Option<DataNote> {
     (!lines.is_empty()).then_some(DataNote::UnevenGravity { usual, by, lines })
 }
 
-/// The first row that is said to be of another tip than the chain's.
+/// The first row of another tip than the chain's.
 fn another_tip(data: &Measurements, chain: &Chain) -> Option<(u64, MeasurementError)> {
     let named = data.labels.iter().find(|label| label.name == "tip")?;
     let row = named.values.iter().position(|tip| !tip.is_empty() && tip != chain.tip())?;
@@ -583,7 +583,7 @@ impl OtherColumn {
                 }
                 _ => {
                     self.first_text = Some((row, line, cell.into()));
-                    // What came before was read as numbers; as texts they are written the shortest way.
+                    // Earlier cells were read as numbers; as texts they get their shortest form.
                     self.texts = self.numbers.iter().map(|value| (value / self.factor).to_string()).collect();
                 }
             }

@@ -1,4 +1,4 @@
-//! The rows of a file: lines in any encoding, cells, numbers, and the problems met on the way.
+//! The rows of a file: lines in any encoding, cells, numbers, and the problems found.
 
 use super::measurement_error::{DataError, DataProblem, FAULTS, MeasurementError};
 use encoding_rs::WINDOWS_1252;
@@ -6,10 +6,10 @@ use std::cell::Cell;
 use std::io::{BufRead as _, Read};
 use std::rc::Rc;
 
-/// No more problems than this are listed.
+/// Most problems listed.
 pub(super) const MOST_PROBLEMS: usize = 10;
-/// No number of a joint or of an instrument is written larger than this: a thousand kilometres in micrometres. Squares of larger
-/// ones leave the range of numbers.
+/// Largest number of a joint or of an instrument in a file: a thousand kilometres in micrometres. Squares of larger ones may
+/// overflow.
 const LARGEST_WRITTEN: f64 = 1e12;
 
 /// The rows of a file, header included, `#` lines left out.
@@ -17,7 +17,7 @@ pub(super) fn rows_of(input: impl Read) -> csv::Reader<impl Read> {
     rows_of_any_encoding(input).0
 }
 
-/// The same, and whether some line so far was no UTF-8, which is then read as windows-1252.
+/// The same, and whether some line so far was not UTF-8, which is then read as windows-1252.
 pub(super) fn rows_of_any_encoding(input: impl Read) -> (csv::Reader<impl Read>, Rc<Cell<bool>>) {
     let lines = Lines::new(LineFeeds(input));
     let foreign = lines.foreign.clone();
@@ -44,7 +44,7 @@ pub(super) fn header_row(reader: &mut csv::Reader<impl Read>, source: &str) -> R
     Err(Problems::new(source).only(line, problem))
 }
 
-/// Input whose lines end in a line feed alone: then a record's last line is the one before where its reader stands.
+/// Input whose lines end in a line feed only: then a record's last line is the one before its reader's position.
 ///
 /// A record's own position is not used: it counts from before the comments above it.
 struct LineFeeds<R>(R);

@@ -1,4 +1,4 @@
-//! What is measured, of what and with what: setups, targets, points that stand still, and series of observations.
+//! The measured scene: setups, targets, fixed points, and series of observations.
 
 use crate::board::{Camera, Corner, Sight};
 use crate::kinds::{Frame, ObservationKind, Part};
@@ -24,21 +24,21 @@ pub struct Series {
 }
 
 impl Series {
-    /// How far away a camera's board is as a rule, m.
+    /// Typical distance of a camera's board, m.
     pub fn range(&self) -> f64 {
         self.corner.as_ref().map_or(1.0, |corner| corner.camera.range)
     }
 }
 
-/// Everything beside the arm that observations speak of.
+/// Everything except the arm that observations involve.
 ///
-/// A setup is an instrument standing at one place. A target sits on the tip. A point stands still in the base frame: an
-/// anchor that distances are measured from. What a target or a point is called is its name in the fit's parameters.
+/// A setup is an instrument at one place. A target is on the tip. A point is fixed in the base frame, such as the anchor
+/// of a distance. The names of targets and points are those in the fit's parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
-    /// Names of the setups; one empty name where there is one alone.
+    /// Names of the setups; one empty name if there is only one.
     pub setups: Vec<String>,
-    /// The tips that targets sit on, where the robot has several; none: all sit on the chain's own.
+    /// The tips that carry targets, if the robot has several; none: all targets are on the chain's own.
     tips: Option<Arc<Tips>>,
     /// Names of the targets: `""` for `x,y,z`, `"1"` for `x1,y1,z1`; where there are several tips, after the tip's name.
     pub targets: Vec<String>,
@@ -48,9 +48,9 @@ pub struct Scene {
     pub points: Vec<String>,
     /// What is observed.
     pub series: Vec<Series>,
-    /// What shares a noise level.
+    /// Groups of values that share a noise level.
     pub channels: Vec<Part>,
-    /// Distances between points that are known beforehand.
+    /// Known distances between points.
     pub lengths: Vec<KnownLength>,
 }
 
@@ -61,11 +61,11 @@ pub struct KnownLength {
     pub points: [usize; 2],
     /// m.
     pub length: f64,
-    /// How sure it is: standard deviation, m.
+    /// Standard deviation, m.
     pub std: f64,
 }
 
-/// A target's name, and the index of the tip that it sits on.
+/// A target's name, and the index of its tip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Target<'a> {
     /// Its name.
@@ -99,18 +99,18 @@ impl Scene {
         scene
     }
 
-    /// Nothing yet, of a robot with these tips.
+    /// An empty scene of a robot with these tips.
     pub fn of_tips(tips: Option<Arc<Tips>>) -> Self {
         Self { tips: tips.filter(|tips| tips.several()), ..Self::default() }
     }
 
-    /// Nothing yet, of the same robot.
+    /// An empty scene of the same robot.
     #[must_use]
     pub fn of_same_robot(&self) -> Self {
         Self::of_tips(self.tips.clone())
     }
 
-    /// As many targets on each tip, each observed in this kind.
+    /// This number of targets on each tip, each observed in this kind.
     pub fn on_tips(kind: ObservationKind, tips: &Arc<Tips>, targets: usize) -> Self {
         let mut scene = Self::of_tips(Some(tips.clone()));
         for (tip, of) in tips.all().iter().enumerate() {
@@ -123,17 +123,17 @@ impl Scene {
         scene
     }
 
-    /// The tips that targets sit on, where there are several.
+    /// The tips that carry targets, if there are several.
     pub fn tips(&self) -> Option<&Arc<Tips>> {
         self.tips.as_ref()
     }
 
-    /// The tips that targets sit on; `chain` has the joints of all.
+    /// The tips that carry targets; `chain` has the joints of all.
     pub fn tips_of(&self, chain: &Chain) -> Tips {
         self.tips.as_ref().map_or_else(|| Tips::only(chain), |tips| (**tips).clone())
     }
 
-    /// Index of the tip that a target sits on.
+    /// Index of a target's tip.
     #[inline]
     pub fn tip_of(&self, target: usize) -> usize {
         self.sits_on[target]
@@ -144,14 +144,14 @@ impl Scene {
         Target { name: &self.targets[index], tip: self.sits_on[index] }
     }
 
-    /// What a target is called on its tip: its number, and its setup where there are several.
+    /// A target's name without its tip: its number, and its setup if there are several.
     pub fn number_of(&self, target: usize) -> &str {
         let name = &self.targets[target];
         let tip = self.tips.as_ref().map(|tips| &tips[self.sits_on[target]].name);
         tip.and_then(|tip| name.strip_prefix(tip.as_str())).unwrap_or(name).trim_start()
     }
 
-    /// The same setups, targets and points, nothing observed of them yet.
+    /// The same setups, targets and points, without observations.
     #[must_use]
     pub fn unobserved(&self) -> Self {
         let (setups, targets, points) = (self.setups.clone(), self.targets.clone(), self.points.clone());
@@ -165,12 +165,12 @@ impl Scene {
 
     /// The series of this kind, setup, target and point, made where there is none; its index.
     ///
-    /// `point` tells several points of one sort apart.
+    /// `point` distinguishes several points of one kind.
     pub fn add(&mut self, kind: ObservationKind, setup: &str, target: Target<'_>, point: Option<&str>) -> usize {
         self.add_seen(kind, setup, target, point, None)
     }
 
-    /// The series of a board's corner, the board or its camera being the target; made where there is none.
+    /// The series of a board's corner, with the board or its camera as the target; made where there is none.
     pub fn add_corner(&mut self, kind: ObservationKind, setup: &str, target: Target<'_>, corner: Corner) -> usize {
         self.add_seen(kind, setup, target, None, Some(corner))
     }
@@ -235,18 +235,18 @@ impl Scene {
         Some(scene)
     }
 
-    /// How far away the boards are as a rule, m; `None` where no camera sees one.
+    /// Typical distance of the boards, m; `None` where no camera sees one.
     pub fn range(&self) -> Option<f64> {
         self.series.iter().find_map(|series| Some(series.corner.as_ref()?.camera.range))
     }
 
-    /// Metres per pixel of a noise channel, where it is of pixels.
+    /// Metres per pixel of a noise channel of pixels.
     pub fn per_pixel(&self, channel: usize) -> Option<f64> {
         let own = |series: &&Series| series.channels[0] == Some(channel);
         self.series.iter().filter(own).find_map(|series| Some(series.corner.as_ref()?.camera.metres_per_pixel()))
     }
 
-    /// Gives errors in pixels as lengths at this distance, m.
+    /// Sets the distance at which errors in pixels are converted to lengths, m.
     pub fn set_range(&mut self, range: f64) {
         let mut known: Vec<(Arc<Camera>, Arc<Camera>)> = Vec::new();
         for corner in self.series.iter_mut().filter_map(|series| series.corner.as_mut()) {
@@ -257,13 +257,13 @@ impl Scene {
         }
     }
 
-    /// The point of a label, such as `front/0`, whatever sort of point it is.
+    /// The point of a label, such as `front/0`, of any kind.
     pub fn point_of(&self, label: &str) -> Option<usize> {
         self.points.iter().position(|name| label_of(name) == label)
     }
 
-    /// States the distance between two points, for a `*` in both labels between all pairs that it may stand for; how many
-    /// there are.
+    /// Sets the distance between two points; with a `*` in both labels, between all matching pairs. Returns the number of
+    /// pairs.
     pub fn know_length(&mut self, labels: [&str; 2], length: f64, std: f64) -> usize {
         let mut found = Vec::new();
         for (first, name) in self.points.iter().enumerate() {
@@ -292,17 +292,17 @@ impl Scene {
         self.kinds().iter().map(|kind| kind.name()).collect::<Vec<_>>().join("+")
     }
 
-    /// What is measured, for people: `positions and distances`.
+    /// What is measured, in words: `positions and distances`.
     pub fn words(&self) -> String {
         self.kinds().iter().map(|kind| kind.plural()).collect::<Vec<_>>().join(" and ")
     }
 
-    /// Whether the frame of a setup's instrument is seen at all, or that of a tool which two tips hold.
+    /// Whether the frame of a setup's instrument, or of a tool held by two tips, is observable.
     pub fn has_instrument(&self, setup: usize) -> bool {
         self.is_held(setup) || self.sees(setup, Frame::Instrument)
     }
 
-    /// Whether so much of a setup's frame is seen.
+    /// Whether this part of a setup's frame is observable.
     fn sees(&self, setup: usize, frame: Frame) -> bool {
         self.series.iter().any(|series| series.setup == setup && series.kind.unknowns().frame == frame)
     }
@@ -312,7 +312,7 @@ impl Scene {
         self.sees(setup, Frame::Grip)
     }
 
-    /// Of the tips that hold one tool the target of the first: its frame is the tool's.
+    /// The target of the first tip that holds a tool: its frame is the tool's.
     pub fn tool_frames(&self) -> BTreeSet<usize> {
         let mut first: BTreeMap<usize, usize> = BTreeMap::new();
         for series in self.series.iter().filter(|series| series.kind.unknowns().frame == Frame::Grip) {
@@ -322,28 +322,28 @@ impl Scene {
         first.into_values().collect()
     }
 
-    /// Whether a setup's frame is seen by its plane z = 0 alone.
+    /// Whether only the plane z = 0 of a setup's frame is observable.
     pub fn has_plane(&self, setup: usize) -> bool {
         self.sees(setup, Frame::Plane)
     }
 
-    /// Whether a setup's frame is seen by its z axis alone, which gravity pulls against.
+    /// Whether only the z axis of a setup's frame, opposite to gravity, is observable.
     pub fn has_level(&self, setup: usize) -> bool {
         self.sees(setup, Frame::Level)
     }
 
-    /// Whether where a target sits on its tip makes a difference.
+    /// Whether the position of a target on its tip is observable.
     pub fn places(&self, target: usize) -> bool {
         let mut own = self.series.iter().filter(|series| series.target == target).peekable();
         own.peek().is_none() || own.any(|series| !series.kind.is_turned_alone())
     }
 
-    /// Whether anything is read in an instrument's frame.
+    /// Whether any value is measured in an instrument's frame.
     pub fn has_instruments(&self) -> bool {
         self.series.iter().any(|series| series.kind.unknowns().frame == Frame::Instrument)
     }
 
-    /// Whether a target's orientation on the tip is seen.
+    /// Whether a target's orientation on the tip is observable.
     pub fn turns(&self, target: usize) -> bool {
         self.series.iter().any(|series| series.target == target && series.kind.unknowns().turn)
     }
@@ -356,17 +356,17 @@ impl Scene {
     }
 }
 
-/// What a target of this name (number, or nothing) is called on one of several tips.
+/// The name of a target (number, or empty) on one of several tips.
 pub fn target_on(tip: &str, target: &str) -> String {
     if target.is_empty() { tip.into() } else { format!("{tip} {target}") }
 }
 
-/// What tells a point from others of its sort.
+/// The label of a point among others of its kind.
 pub fn label_of(name: &str) -> &str {
     name.split_once(' ').map_or("", |(_, label)| label)
 }
 
-/// What the `*` of a pattern stands for in a label; `""` for a label that is the pattern.
+/// The text that the `*` of a pattern matches in a label; `""` for a label that equals the pattern.
 fn meaning<'a>(pattern: &str, label: &'a str) -> Option<&'a str> {
     match pattern.split_once('*') {
         Some((before, after)) => label.strip_prefix(before)?.strip_suffix(after).filter(|meaning| !meaning.is_empty()),

@@ -58,7 +58,7 @@ pub struct UnitsError(String, String);
 impl FromStr for Units {
     type Err = UnitsError;
 
-    /// Reads words such as `mm,deg`; what is not named stays in metres or radians.
+    /// Reads words such as `mm,deg`; the default is metres and radians.
     fn from_str(text: &str) -> Result<Self, UnitsError> {
         let mut units = Self::default();
         for word in text.split(',').map(str::trim) {

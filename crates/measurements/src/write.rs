@@ -1,4 +1,4 @@
-//! Writing a measurement file: what [`super::read`] reads.
+//! Writing a measurement file that [`super::read`] reads.
 
 use super::Measurements;
 

@@ -20,10 +20,10 @@ pub use shape::Shape;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// Beyond this no hinge turns in rad, two turns and more: a round number is degrees.
+/// No hinge turns farther than this in rad, two turns: a larger round number is in degrees.
 const LEAST_DEGREES: f64 = 15.0;
 
-/// A control range that goes beyond the joint's by less than this part of it is rounded, or holds against gravity.
+/// A control range that goes beyond the joint's by less than this part of it is rounding, or compensates gravity.
 const BEYOND: f64 = 0.1;
 
 /// A line of a file, by its index.
@@ -133,10 +133,10 @@ struct Reader<'a> {
     unnamed: HashMap<String, usize>,
 }
 
-/// What an actuator says of a joint: its name, effort, velocity.
+/// What an actuator states about a joint: its name, effort, velocity.
 type Bounds = (String, Option<f64>, Option<f64>);
 
-/// Where a walk stands: the body, the frame inside it, the class of its children.
+/// The position of a walk: the body, the frame inside it, the class of its children.
 #[derive(Clone)]
 struct Stand {
     body: usize,
@@ -177,7 +177,7 @@ impl<'a> Reader<'a> {
                         }
                         self.keep(
                             asset,
-                            "URDF has no such asset; it changes how the robot looks, or what it stands on",
+                            "URDF has no such asset; it affects only how the robot and its surroundings look",
                         );
                     }
                     _ => self.unknown(asset, KEPT_ASSETS.iter().copied().chain(["mesh"])),
@@ -222,7 +222,7 @@ impl<'a> Reader<'a> {
         self.findings.push((rule.to_owned(), place, what.into()));
     }
 
-    /// Says where no hinge of a model in degrees turns as far as a model in rad may, or hinges of one in rad turn much farther.
+    /// Reports models in degrees whose hinges all turn no farther than in rad, and models in rad whose hinges turn much farther.
     fn angle_unit(&mut self) {
         let farthest = |(lower, upper, _): &(f64, f64, Place)| lower.abs().max(upper.abs());
         let in_degrees = self.settings.angles.unit != 1.0;
@@ -249,7 +249,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The value, or nothing where it is wrong, which is then reported.
+    /// The value; `None` where it is wrong, which is then reported.
     fn good<T>(&mut self, item: &Item, value: Result<T, String>) -> Option<T> {
         match value {
             Ok(value) => Some(value),
@@ -326,12 +326,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Defaults are read with the elements that they are of; here only what nobody would read is found.
+    /// Defaults are read with their elements; this finds only what no element reads.
     fn default(&mut self, item: &Item) {
         self.understood += 1;
         for (attribute, _) in item.attributes.iter().filter(|(name, _)| *name != "class") {
             let what = format!("attribute {attribute} of <default>");
-            let why = "is not understood and changes nothing here; a class has the attribute class alone".to_owned();
+            let why = "is not understood and changes nothing here; it takes only the attribute class".to_owned();
             let loss = Loss { place: self.document.place(item), what, why };
             self.kept.push(Kept { loss, text: String::new(), understood: false });
         }
@@ -380,7 +380,7 @@ impl<'a> Reader<'a> {
                 "site" => self.site(item, stand),
                 tag if MAKE_BODIES.contains(&tag) => self.problem(
                     item,
-                    format!("<{tag}> makes bodies of its own, which are not made here; have MuJoCo write the whole model (mj_saveLastXML) and read that"),
+                    format!("<{tag}> generates bodies, which is not supported here; have MuJoCo write the whole model (mj_saveLastXML) and read that"),
                 ),
                 tag if KEPT_OF_BODY.contains(&tag) => {
                     let resolved = self.resolved(item, stand);
@@ -413,7 +413,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A name for what has none: the n-th of its kind.
+    /// A name for an unnamed element: the n-th of its kind.
     fn numbered(&mut self, kind: &str) -> String {
         let count = self.unnamed.entry(kind.to_owned()).or_insert(0);
         *count += 1;
@@ -458,7 +458,7 @@ impl<'a> Reader<'a> {
             let pose = place::pose(item, &self.settings.angles)?;
             let tensor = match (vector(item, "diaginertia")?, fixed::<6>(item, "fullinertia")?) {
                 (Some(_), Some(_)) => return Err("states diaginertia and fullinertia; keep one of them".into()),
-                // What the writer gives to a body that moves and has no inertia.
+                // The values that the writer gives to a moving body without inertia.
                 (Some(diagonal), None) if diagonal.iter().all(|moment| *moment == LEAST) => Matrix3::zeros(),
                 (Some(diagonal), None) => Matrix3::from_diagonal(&diagonal),
                 (None, Some(m)) => {
@@ -484,9 +484,7 @@ impl<'a> Reader<'a> {
             }
             let is_none = mass.mass == 0.0 && mass.tensor == Matrix3::zeros();
             if number(item, "mass") == Ok(Some(LEAST)) {
-                let what = format!(
-                    "{LEAST:e} kg and kg·m² stand for a body without mass, as they are written here; read as none"
-                );
+                let what = format!("denavit writes {LEAST:e} kg and kg·m² for a body without mass; read as no mass");
                 self.note(item, what);
             }
             let mass = (mass.placed(&stand.body_from_here), item.at);
@@ -495,7 +493,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The mass of a body by what the compiler asks for: stated, or that of its geoms.
+    /// The mass of a body by the compiler's settings: stated, or that of its geoms.
     fn mass_of(&mut self, item: &Item, body: usize) {
         let stated = self.bodies[body].mass;
         let from_geoms = match self.settings.from_geoms {
@@ -507,7 +505,7 @@ impl<'a> Reader<'a> {
             let parts: Vec<Mass> = self.bodies[body].shapes.iter().filter_map(|shape| shape.mass).collect();
             let whole = Mass::together(&parts);
             if stated.is_some() {
-                self.note(item, "the stated <inertial> is replaced by that of the geoms, as inertiafromgeom asks");
+                self.note(item, "the stated <inertial> is replaced by that of the geoms, as inertiafromgeom requires");
             }
             self.bodies[body].mass = whole.map(|mass| (mass, item.at));
         }
@@ -518,13 +516,18 @@ impl<'a> Reader<'a> {
             mass.tensor = Matrix3::identity() * mean;
             self.note(
                 item,
-                format!("its moments of inertia {a:e}, {b:e}, {c:e} kg·m² become their mean, as balanceinertia asks"),
+                format!(
+                    "its moments of inertia {a:e}, {b:e}, {c:e} kg·m² become their mean, as balanceinertia requires"
+                ),
             );
         }
         if mass.mass < self.settings.least_mass {
             self.note(
                 item,
-                format!("its mass of {} kg is raised to {}, as boundmass asks", mass.mass, self.settings.least_mass),
+                format!(
+                    "its mass of {} kg is raised to {}, as boundmass requires",
+                    mass.mass, self.settings.least_mass
+                ),
             );
             mass.mass = self.settings.least_mass;
         }
@@ -532,12 +535,12 @@ impl<'a> Reader<'a> {
             let eigen = mass.tensor.symmetric_eigen();
             let raised = eigen.eigenvalues.map(|value| value.max(self.settings.least_inertia));
             mass.tensor = eigen.eigenvectors * Matrix3::from_diagonal(&raised) * eigen.eigenvectors.transpose();
-            self.note(item, "a moment of inertia is raised, as boundinertia asks");
+            self.note(item, "a moment of inertia is raised, as boundinertia requires");
         }
         self.bodies[body].mass = Some((mass, at));
     }
 
-    /// Scales every mass where the compiler asks for a total.
+    /// Scales every mass if the compiler sets a total.
     fn totals(&mut self) {
         let Some(total) = self.settings.total_mass else { return };
         let sum: f64 = self.bodies.iter().filter_map(|body| Some(body.mass?.0.mass)).sum();
@@ -545,7 +548,7 @@ impl<'a> Reader<'a> {
             return;
         }
         let root = self.document.root.clone();
-        self.note(&root, format!("every mass is scaled by {}, as settotalmass asks", total / sum));
+        self.note(&root, format!("every mass is scaled by {}, as settotalmass requires", total / sum));
         for (mass, _) in self.bodies.iter_mut().filter_map(|body| body.mass.as_mut()) {
             mass.mass *= total / sum;
             mass.tensor *= total / sum;
@@ -565,11 +568,11 @@ impl<'a> Reader<'a> {
             let (place, [lower, upper]) = (self.document.place(item), [range[0], range[1]]);
             if joint.range.is_none() && lower < upper {
                 let fix = if resolved.get("limited") == Some("false") {
-                    "take limited=\"false\" out"
+                    "remove limited=\"false\""
                 } else {
                     "write limited=\"true\""
                 };
-                let what = format!("its range {lower} … {upper} has no effect; {fix}, or take the range out");
+                let what = format!("its range {lower} … {upper} has no effect; {fix}, or remove the range");
                 self.finding("range-without-effect", place, what);
             } else if joint.kind == Kind::Hinge && lower < upper {
                 self.hinges.push((lower, upper, place));
@@ -590,9 +593,9 @@ impl<'a> Reader<'a> {
         if joint.kind == Kind::Free
             && (self.bodies[stand.body].parent != Some(0) || !self.bodies[stand.body].joints.is_empty())
         {
-            self.problem(item, "a free joint stands alone in a body of <worldbody>; move it there");
+            self.problem(item, "a free joint must be the only joint of a body in <worldbody>; move it there");
         }
-        // Angles in what is kept count in rad, as everything that is written here.
+        // Angles in kept elements are in rad, like everything that is written here.
         let mut in_rad = resolved;
         if matches!(joint.kind, Kind::Hinge | Kind::Ball) {
             for (name, value) in &mut in_rad.attributes {
@@ -615,7 +618,7 @@ impl<'a> Reader<'a> {
             (_, Some("slide")) => Kind::Slide,
             (_, Some("ball")) => Kind::Ball,
             (_, Some(word)) => {
-                return Err(format!("type=\"{word}\" is no kind of joint; write hinge, slide, ball or free"));
+                return Err(format!("type=\"{word}\" is not a joint type; write hinge, slide, ball or free"));
             }
         };
         let pos = vector(item, "pos")?.unwrap_or_default();
@@ -665,7 +668,7 @@ impl<'a> Reader<'a> {
             None => self.pose(&resolved),
         };
         let (Some(pose), Some(name)) = (pose, resolved.get("name")) else {
-            self.keep(item, "a site without a name is no frame that anybody could ask for");
+            self.keep(item, "a site without a name cannot be used as a frame");
             return;
         };
         self.account(&resolved);
@@ -686,7 +689,7 @@ impl<'a> Reader<'a> {
             let tag = section.tag;
             let nowhere = Stand { body: 0, body_from_here: Pose::identity(), childclass: None };
             if ["option", "size", "visual", "statistic"].contains(&tag) {
-                self.keep(section, "URDF says nothing of how a simulator works");
+                self.keep(section, "URDF has no simulator settings");
                 continue;
             }
             for item in &section.children {
@@ -696,7 +699,7 @@ impl<'a> Reader<'a> {
                 }
                 let why = match tag {
                     "tendon" => "URDF has no tendons; what they couple moves freely",
-                    "actuator" => "URDF has no actuators; force and speed are in the joint's limits where they follow",
+                    "actuator" => "URDF has no actuators; force and speed become the joint's limits where possible",
                     "sensor" => "URDF has no sensors of joints and sites",
                     "keyframe" => "URDF has no named states",
                     "contact" => "URDF has no list of contacts; an SRDF has",
@@ -727,11 +730,11 @@ impl<'a> Reader<'a> {
                 if !physics {
                     return;
                 }
-                "the coupling is translated; that it is soft, and its name, URDF cannot say"
+                "the coupling is translated without its softness and its name, which URDF cannot state"
             }
             Ok(false) => match item.tag {
-                "joint" => "URDF couples joints by a factor and an offset alone; both move freely",
-                "connect" | "weld" => "URDF is a tree and closes no loop; every joint moves freely",
+                "joint" => "URDF couples joints only by a factor and an offset; both move freely",
+                "connect" | "weld" => "URDF is a tree without loops; every joint moves freely",
                 _ => "URDF has no such constraint; what it couples moves freely",
             },
             Err(what) => {
@@ -766,7 +769,7 @@ impl<'a> Reader<'a> {
         if coefficients[2..].iter().any(|c| *c != 0.0) || first == second {
             return Ok(false);
         }
-        // Whom joint2 follows in the end: not joint1.
+        // The joint that joint2 finally follows must not be joint1.
         let mut at = second.clone();
         for _ in 0..self.bodies.len() {
             match self.joint_named(&at).and_then(|joint| joint.mimic.clone()) {
@@ -824,14 +827,14 @@ impl<'a> Reader<'a> {
         self.servo(item, range);
     }
 
-    /// Says where a position servo may be told to go beyond its joint's range.
+    /// Reports position servos whose command may exceed their joint's range.
     fn servo(&mut self, item: &Item, range: Option<(f64, f64)>) {
         let control = fixed::<2>(item, "ctrlrange").ok().flatten().filter(|control| control[0] < control[1]);
         let (Some(control), Some((lower, upper)), "position") = (control, range, item.tag) else { return };
         let room = BEYOND * (upper - lower);
         if control[0] < lower - room || control[1] > upper + room {
             let what = format!(
-                "its ctrlrange {} … {} goes beyond the joint's range, {lower:.4} … {upper:.4}; write that, or inheritrange=\"1\"",
+                "its ctrlrange {} … {} exceeds the joint's range, {lower:.4} … {upper:.4}; write that, or inheritrange=\"1\"",
                 control[0], control[1]
             );
             let place = self.document.place(item);
@@ -839,7 +842,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Bodies and sites share URDF's one space of link names.
+    /// Bodies and sites share the namespace of URDF's link names.
     fn unique_names(&mut self) {
         let mut seen: HashMap<String, At> = HashMap::new();
         let mut problems = Vec::new();

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
 
-/// Deeper trees are refused: no robot has them, and every walk over them is a call of itself.
+/// Deeper trees are refused: no robot has them, and every walk over them is recursive.
 const DEEPEST: usize = 500;
 
 /// An attribute's name and value, as the text has them where it can.
@@ -49,7 +49,7 @@ impl Item<'_> {
         self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| &**value)
     }
 
-    /// How messages call it: `joint "elbow"`, `<option>`.
+    /// Its name in messages: `joint "elbow"`, `<option>`.
     pub fn label(&self) -> String {
         match self.get("name").or_else(|| self.get("class").filter(|_| self.tag == "default")) {
             Some(name) => format!("{} \"{name}\"", self.tag),
@@ -108,7 +108,7 @@ pub fn read<'t>(
     let mut document = Document { root, files: names, classes: HashMap::new() };
     if document.root.tag != "mujoco" {
         let what = format!(
-            "the root element is <{}>, which is a part of a model; name the file that includes it, whose root is <mujoco>",
+            "the root element is <{}>, which is only a part of a model; give the file that includes it, whose root is <mujoco>",
             document.root.tag
         );
         return Err(FormatError::one(document.place(&document.root), what));
@@ -155,7 +155,7 @@ impl<'t> Reader<'t, '_, '_> {
             let place = Place { file: self.names[file].clone(), line, element: result.label() };
             return Err(FormatError::one(
                 place,
-                format!("stands more than {DEEPEST} elements deep; no model is read that deep"),
+                format!("is nested more than {DEEPEST} elements deep; flatten the model"),
             ));
         }
         for child in node.children() {
@@ -175,7 +175,7 @@ impl<'t> Reader<'t, '_, '_> {
         Ok(result)
     }
 
-    /// What the file holds that an element includes.
+    /// The content of an included file.
     fn include(&mut self, item: &Item, file: usize) -> Result<Vec<Item<'t>>, FormatError> {
         let place = Place { file: self.names[file].clone(), line: item.at.1, element: "<include>".into() };
         let Some(name) = item.get("file") else {
@@ -186,10 +186,10 @@ impl<'t> Reader<'t, '_, '_> {
             return Err(FormatError::one(place, what));
         }
         let bytes = (self.files)(name).map_err(|why| {
-            FormatError::one(place.clone(), format!("includes {name}, which cannot be read: {why}; put the file there"))
+            FormatError::one(place.clone(), format!("includes {name}, which cannot be read: {why}; add the file"))
         })?;
         let text = String::from_utf8(bytes).map_err(|_| {
-            FormatError::one(place, format!("includes {name}, which is no UTF-8 text; save it as UTF-8"))
+            FormatError::one(place, format!("includes {name}, which is not UTF-8 text; save it as UTF-8"))
         })?;
         self.names.push(name.to_owned());
         Ok(self.parsed(self.included.keep(text), self.names.len() - 1)?.children)
@@ -271,7 +271,7 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Whether a default is overruled by an attribute of another name that says the same of the element.
+/// Whether an attribute of another name with the same purpose overrides a default.
 fn overruled(item: &Item, attribute: &str) -> bool {
     const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
     let stands = |names: &[&str]| names.iter().any(|name| item.get(name).is_some());

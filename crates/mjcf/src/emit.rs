@@ -1,4 +1,4 @@
-//! Bodies as URDF text, each line with the line of the model that it says.
+//! Bodies as URDF text, each line with its source line in the model.
 
 use crate::bodies::{At, Body, Joint, Kind, Model, Shape, Site};
 use crate::document::Document;
@@ -22,7 +22,7 @@ use std::ops::Range;
 /// A smaller turn or place is 0: rounding.
 const NOTHING: f64 = 1e-15;
 
-/// The text, with its places, and the tree that it says.
+/// The text, with its places, and its tree.
 pub fn urdf(document: &Document, model: Model) -> Builder {
     let mut builder = Builder::new(Format::Mjcf, document.files[0].clone());
     builder.translation.files.clone_from(&document.files);
@@ -53,7 +53,7 @@ pub fn urdf(document: &Document, model: Model) -> Builder {
     builder
 }
 
-/// Whether the world is no link of its own: it holds one body and nothing else, and that body does not move in it.
+/// Whether the world gets no link: it holds only one body, and that body is fixed to it.
 fn world_is_no_link(bodies: &[Body]) -> bool {
     let world = &bodies[0];
     let mut held = bodies.iter().filter(|body| body.parent == Some(0));
@@ -65,7 +65,7 @@ fn is_nothing(pose: &Pose) -> bool {
     pose.translation.vector.amax() <= NOTHING && se3::rotation_angle(&pose.rotation) <= NOTHING
 }
 
-/// Writes the numbers of an attribute and says where they stand.
+/// Writes the numbers of an attribute and returns their position.
 fn written(out: &mut String, values: &[f64]) -> Range<usize> {
     let first = out.len();
     add_numbers(out, values);
@@ -134,7 +134,7 @@ fn open(text: &mut String, name: &str, kind: &str, parent: &str, child: &str, pl
     origin
 }
 
-/// A joint of which nothing but its ends and its place are known.
+/// A joint of which only its ends and its place are known.
 fn bare(name: &str, kind: JointKind, origin: Origin, at: usize) -> UrdfJoint {
     UrdfJoint {
         name: name.to_owned(),
@@ -166,7 +166,7 @@ fn material(rgba: &str, at: usize) -> Element {
 struct Text {
     builder: Builder,
     tree: Loose,
-    /// Whether a reader of the text finds the tree: no number that is not finite, no character that XML reads as another.
+    /// Whether reading the text gives the tree: all numbers are finite, and XML changes no character.
     read_back: bool,
     links: HashSet<String>,
     joints: HashSet<String>,
@@ -199,7 +199,7 @@ impl Text {
         self.tree.joints.push(LooseJoint { joint, parent: parent.to_owned(), child: child.to_owned() });
     }
 
-    /// A name that no link or joint has.
+    /// A name not used by any link or joint.
     fn new_name(taken: &mut HashSet<String>, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut number = 2;
@@ -285,7 +285,7 @@ impl Text {
         }
     }
 
-    /// The joints of a body one behind another, with a link without mass between two, and one fixed joint behind the last where
+    /// The joints of a body in series, with a massless link between two, and one fixed joint after the last where
     /// its axis does not go through the body's origin.
     fn joints_of(&mut self, parent: &str, body: &Body) {
         if body.joints.is_empty() {

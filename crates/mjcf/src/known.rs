@@ -1,6 +1,6 @@
-//! Which words MJCF has, and which of them the reader translates. What it knows and does not translate is kept.
+//! The elements and attributes of MJCF, and which of them the reader translates. Known ones that it does not translate are kept.
 
-/// Of an element that is translated: attributes that are read, and attributes that are known and kept.
+/// For a translated element: attributes that are read, and attributes that are known and kept.
 pub struct Known {
     pub tag: &'static str,
     pub read: &'static [&'static str],
@@ -170,7 +170,7 @@ pub const SECTIONS: &[&str] = &["compiler", "default", "asset", "worldbody", "eq
 /// Elements of a body that are known and kept.
 pub const KEPT_OF_BODY: &[&str] = &["camera", "light", "plugin", "skin", "flexcomp"];
 
-/// Elements that make bodies of their own, which a tree without them would lack.
+/// Elements that generate bodies, which are not supported.
 pub const MAKE_BODIES: &[&str] = &["replicate", "attach", "composite"];
 
 /// Assets that are known and kept.

@@ -4,7 +4,7 @@
 //! MJCF text ──► document (includes, classes) ──► bodies ──► URDF text with the places of the MJCF ──► Robot ──► MJCF
 //! ```
 //! The crate opens no files: what a model includes, and meshes whose volume gives a mass, come through a function of the
-//! caller's. Lengths are m, angles rad; degrees, which MJCF counts in unless it says otherwise, end in the reader.
+//! caller's. Lengths are m, angles rad; the reader converts degrees, MJCF's default.
 //!
 //! # Source
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
@@ -39,7 +39,7 @@ use denavit_model::formats::{Builder, FormatError};
 /// A file that a model names, relative to the model's own folder: its content, or why there is none.
 pub type Files<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
-/// The URDF text of a model, which carries the places of its lines and what URDF cannot say: see
+/// The URDF text of a model, which holds the places of its lines and what URDF cannot state: see
 /// [`formats`](denavit_model::formats).
 ///
 /// `file` is used in messages; `files` gives what the model includes, and meshes where their volume gives a mass.
@@ -50,7 +50,7 @@ pub fn read(file: &str, text: &str, files: &mut Files) -> Result<String, FormatE
     Ok(translated(file, text, files)?.text())
 }
 
-/// As [`read`], with the tree that the text says, so that nobody need read it: [`Builder::robot`].
+/// As [`read`], with the tree of the text, so that the text need not be parsed: [`Builder::robot`].
 ///
 /// # Errors
 /// Those of [`read`].

@@ -1,10 +1,10 @@
-//! Mass, centre and inertia tensor: of solids, of parts together, and as a model's compiler asks to change them.
+//! Mass, centre and inertia tensor: of solids, of parts together, and changed by a model's compiler settings.
 
 use denavit_model::nalgebra::{Matrix3, Vector3};
 use denavit_model::se3::Pose;
 use std::f64::consts::PI;
 
-/// Mass (kg) and moments of inertia (kg·m²) that stand for none in a body that moves: MuJoCo refuses less than 1e-15.
+/// Mass (kg) and moments of inertia (kg·m²) that mean none in a moving body: MuJoCo refuses less than 1e-15.
 pub const LEAST: f64 = 1e-12;
 
 /// The exponent of Thomsen's formula for the area of an ellipsoid, which is then right to 1.1 %.

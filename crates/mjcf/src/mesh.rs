@@ -20,7 +20,7 @@ pub fn triangles(name: &str, bytes: &[u8]) -> Result<Triangles, String> {
         "stl" => stl(bytes),
         "obj" => obj(bytes),
         "msh" => msh(bytes),
-        _ => return Err(format!("a .{ending} file is not read for its volume; give the body an <inertial>")),
+        _ => return Err(format!("a .{ending} file cannot be used for a volume; give the body an <inertial>")),
     }?;
     if found.is_empty() {
         return Err("it has no triangles".into());
@@ -39,8 +39,8 @@ fn stl(bytes: &[u8]) -> Result<Triangles, String> {
             .map(|at| [corner(at), corner(at + 12), corner(at + 24)])
             .collect());
     }
-    let text =
-        std::str::from_utf8(bytes).map_err(|_| "it is no STL file: its length does not fit its count".to_owned())?;
+    let text = std::str::from_utf8(bytes)
+        .map_err(|_| "it is not a valid STL file: its length does not match its count".to_owned())?;
     let mut corners = Vec::new();
     for line in text.lines().map(str::trim).filter(|line| line.starts_with("vertex")) {
         corners.push(point(line.split_whitespace().skip(1))?);
@@ -55,7 +55,7 @@ fn msh(bytes: &[u8]) -> Result<Triangles, String> {
         let count = word(index).map(i32::from_le_bytes).and_then(|count| usize::try_from(count).ok());
         count.filter(|count| *count <= MOST)
     };
-    let wrong = "it is no MSH file of MuJoCo: its length does not fit its counts";
+    let wrong = "it is not a valid MuJoCo MSH file: its length does not match its counts";
     let [Some(points), Some(normals), Some(coordinates), Some(faces)] = [0, 1, 2, 3].map(count) else {
         return Err(wrong.into());
     };
@@ -86,7 +86,7 @@ fn point<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vector3<f64>, Strin
     let found: Vec<f64> = words.take(3).filter_map(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).collect();
     match found[..] {
         [x, y, z] => Ok(Vector3::new(x, y, z)),
-        _ => Err("a vertex has no three numbers".into()),
+        _ => Err("a vertex does not have three numbers".into()),
     }
 }
 
@@ -138,7 +138,7 @@ pub enum Inside {
 pub fn solid(triangles: &Triangles, inside: Inside) -> Result<Solid, String> {
     if inside == Inside::Hull {
         let hull = Hull::of(&in_no_order(triangles.as_flattened()));
-        let hull = hull.ok_or("its points lie in a plane, so that they have no hull")?;
+        let hull = hull.ok_or("its points lie in a plane, so they have no hull")?;
         return solid(&hull.triangles().collect(), Inside::Signed);
     }
     // From the centre of the surface, as MuJoCo does.

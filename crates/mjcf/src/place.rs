@@ -1,4 +1,4 @@
-//! Places: every form of an orientation.
+//! Poses: every form of an orientation.
 
 use crate::document::Item;
 use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -14,7 +14,7 @@ pub struct Angles {
     pub sequence: String,
 }
 
-/// The numbers of an attribute, or a sentence that says what is wrong.
+/// The numbers of an attribute, or a sentence on what is wrong.
 pub fn numbers(item: &Item, attribute: &str, counts: RangeInclusive<usize>) -> Result<Option<Vec<f64>>, String> {
     let mut found = Vec::new();
     Ok(each_number(item, attribute, counts, |number| found.push(number))?.map(|()| found))
@@ -43,7 +43,7 @@ fn each_number(
     for word in written.split_ascii_whitespace() {
         let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
         let Some(number) = number else {
-            return Err(format!("{attribute}=\"{written}\": \"{word}\" is no number; write a finite number"));
+            return Err(format!("{attribute}=\"{written}\": \"{word}\" is not a number; write a finite number"));
         };
         take(number);
         found += 1;
@@ -69,7 +69,7 @@ pub fn vector(item: &Item, attribute: &str) -> Result<Option<Vector3<f64>>, Stri
 fn unit(v: Vector3<f64>, attribute: &str) -> Result<Vector3<f64>, String> {
     let length = v.norm();
     if length < 1e-14 {
-        return Err(format!("{attribute} has a direction of length 0; write one that points somewhere"));
+        return Err(format!("{attribute} has a direction of length 0; write a non-zero one"));
     }
     Ok(v / length)
 }

@@ -1,4 +1,4 @@
-//! SRDF, MoveIt's file beside a URDF: pairs whose contact does not count and named states, which MJCF says itself.
+//! SRDF, MoveIt's file beside a URDF: pairs with disabled contact and named states, which MJCF states itself.
 //!
 //! ```text
 //! SRDF <disable_collisions> ◄──► MJCF <contact><exclude>        SRDF <group_state> ◄──► MJCF <keyframe><key>
@@ -15,7 +15,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
-/// The group of every joint, for states that name none.
+/// The group of all joints, for states without a group.
 const ALL: &str = "all";
 
 /// A named state of a group.
@@ -28,13 +28,13 @@ pub(crate) struct State {
     pub place: Place,
 }
 
-/// What an SRDF says that MJCF says, too.
+/// The contents of an SRDF that MJCF can also state.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Srdf {
     /// Two links, and where it says so.
     pub(crate) apart: Vec<(String, String, Place)>,
     pub(crate) states: Vec<State>,
-    /// What MJCF has no word for.
+    /// What MJCF cannot state.
     pub(crate) losses: Vec<Loss>,
 }
 
@@ -42,7 +42,7 @@ impl Srdf {
     /// Reads an SRDF.
     ///
     /// # Errors
-    /// The text is no XML, or its root is no `<robot>`.
+    /// The text is not XML, or its root is not `<robot>`.
     ///
     /// # Examples
     /// ```
@@ -68,7 +68,7 @@ impl Srdf {
         };
         let root = document.root_element();
         if root.tag_name().name() != "robot" {
-            let what = "this is no SRDF, whose root element is <robot>; name the SRDF of the robot";
+            let what = "this is not an SRDF, whose root element is <robot>; give the robot's SRDF";
             return Err(FormatError::one(place(root), what));
         }
         let mut srdf = Self::default();
@@ -85,7 +85,7 @@ impl Srdf {
                             _ => srdf.losses.push(Loss {
                                 place: place(joint),
                                 what: format!("value of joint \"{name}\""),
-                                why: "a key of MJCF takes one number for each joint; write one number".into(),
+                                why: "an MJCF key has one number for each joint; write one number".into(),
                             }),
                         }
                     }
@@ -93,7 +93,7 @@ impl Srdf {
                     srdf.states.push(state);
                 }
                 tag => {
-                    let why = "MJCF has no groups of joints, and no words for planners; keep the SRDF".to_owned();
+                    let why = "MJCF has no groups of joints and no planner settings; keep the SRDF".to_owned();
                     srdf.losses.push(Loss { place: place(node), what: format!("<{tag}>"), why });
                 }
             }
@@ -102,7 +102,7 @@ impl Srdf {
     }
 }
 
-/// How a robot read from MJCF is laid out in `qpos`: each joint's name, how many numbers, in MuJoCo's order.
+/// Layout of a robot read from MJCF in `qpos`: each joint's name, how many numbers, in MuJoCo's order.
 fn layout(robot: &Robot) -> Vec<(&str, usize)> {
     let moving = robot.joints.iter().filter_map(|joint| {
         let numbers = match &joint.kind {
@@ -116,7 +116,7 @@ fn layout(robot: &Robot) -> Vec<(&str, usize)> {
     moving.collect()
 }
 
-/// What a model in MJCF says that a URDF cannot and an SRDF can: pairs whose contact does not count, and keys as states
+/// What a model in MJCF states that a URDF cannot and an SRDF can: pairs with disabled contact, and keys as states
 /// of the group before a `/` in the key's name, else of the group of all joints.
 ///
 /// # Errors
@@ -124,7 +124,7 @@ fn layout(robot: &Robot) -> Vec<(&str, usize)> {
 pub fn srdf(robot: &Robot) -> Result<Written, FormatError> {
     if robot.source.format() != Format::Mjcf {
         let place = robot.source.place(0, "robot");
-        return Err(FormatError::one(place, "an SRDF is made of MJCF; name a model in MJCF"));
+        return Err(FormatError::one(place, "an SRDF is made only from MJCF; give an MJCF model"));
     }
     let mut losses = Vec::new();
     let (mut states, mut apart) = (String::new(), String::new());
@@ -147,10 +147,10 @@ pub fn srdf(robot: &Robot) -> Result<Written, FormatError> {
                     let _ =
                         writeln!(apart, "  <disable_collisions link1=\"{one}\" link2=\"{other}\" reason=\"User\"/>");
                 } else {
-                    lose("<exclude>".into(), "it names a body that is no link of the robot; correct the name");
+                    lose("<exclude>".into(), "it names a body that is not a link of the robot; correct the name");
                 }
             }
-            ("contact", tag) => lose(format!("<{tag}>"), "an SRDF says nothing of how bodies touch"),
+            ("contact", tag) => lose(format!("<{tag}>"), "an SRDF has no contact parameters"),
             ("keyframe", "key") => {
                 let own = node.attribute("name").unwrap_or_default();
                 let name = if own.is_empty() { format!("key_{}", kept.loss.place.line) } else { own.to_owned() };
@@ -205,7 +205,7 @@ pub fn srdf(robot: &Robot) -> Result<Written, FormatError> {
     Ok(Written { text, losses, sidecar: None, proof: Vec::new() })
 }
 
-/// What a number in `qpos` is.
+/// The meaning of a number in `qpos`.
 pub(crate) enum Slot {
     /// The value of a joint (an index), times this.
     Joint(usize, f64),
@@ -213,7 +213,7 @@ pub(crate) enum Slot {
     Still(f64),
 }
 
-/// The sections of MJCF that say what an SRDF says, and what of it they cannot. `bodies` gives a link's body.
+/// The sections of MJCF for an SRDF, and what they cannot state. `bodies` gives a link's body.
 pub(crate) fn sections(
     srdf: &Srdf,
     placed: &PlacedRobot,
@@ -266,7 +266,7 @@ pub(crate) fn sections(
         let qpos = crate::write::numbers(&qpos.collect::<Vec<f64>>());
         let key = if group.is_empty() || group == ALL { name.clone() } else { format!("{group}/{name}") };
         if !names.insert(key.clone()) {
-            let why = "a state of this group and name stands before; keep one of them".to_owned();
+            let why = "an earlier state has this group and name; keep one of them".to_owned();
             losses.push(Loss { place: place.clone(), what: format!("state \"{name}\""), why });
             continue;
         }

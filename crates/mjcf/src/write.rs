@@ -18,14 +18,14 @@ use names::Names;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// What the writer is told.
+/// Options of the writer.
 pub struct WriteOptions<'a> {
     /// Whether an inertia that no body can have is changed to the nearest that one can.
     pub fix_inertia: bool,
-    /// A mesh's file as MuJoCo is to find it, by what the robot calls it; `None`: as the robot writes it, a package's name as
+    /// Gives the file name for MuJoCo of a mesh name of the robot; `None`: as the robot writes it, a package's name as
     /// a folder.
     pub mesh: &'a dyn Fn(&str) -> Option<String>,
-    /// What stands beside the robot: its pairs whose contact does not count and its states are written, too.
+    /// The robot's SRDF: its pairs with disabled contact and its states are also written.
     pub srdf: Option<&'a Srdf>,
 }
 
@@ -35,7 +35,7 @@ impl std::fmt::Debug for WriteOptions<'_> {
     }
 }
 
-/// A robot as MJCF, and what that cannot say.
+/// A robot as MJCF, and what MJCF cannot state.
 ///
 /// Every link is a body, fixed ones too; the root is a body of the world, or the world itself where it is called so and has no
 /// mass. A screw joint becomes a hinge and a slide that an equality couples, a mimic joint an equality, a planar joint two
@@ -118,7 +118,7 @@ struct Writer<'a> {
     problems: Vec<(Place, String)>,
     /// Every number of `qpos`, in MuJoCo's order.
     qpos: Vec<Slot>,
-    /// What a link's body is called.
+    /// The name of a link's body.
     body_of: HashMap<String, String>,
 }
 
@@ -143,7 +143,7 @@ pub(crate) fn add_numbers(out: &mut String, values: &[f64]) {
     }
 }
 
-/// A place as attributes: the URDF's own numbers.
+/// A pose as attributes, with the URDF's own numbers.
 fn place(origin: &Origin) -> String {
     let mut out = String::new();
     if origin.xyz != [0.0; 3] {
@@ -158,7 +158,7 @@ fn place(origin: &Origin) -> String {
     out
 }
 
-/// What is in the world without a body of its own.
+/// Elements of the world without their own body.
 fn is_world(robot: &Robot) -> bool {
     let root = &robot.links[robot.root];
     root.name == "world" && root.inertial.as_ref().is_none_or(|inertial| inertial.mass == 0.0)
@@ -205,8 +205,8 @@ impl Writer<'_> {
     fn element(&mut self, owner: String, element: &Element) {
         let what = format!("<{}>", element.tag());
         let why = match element.tag() {
-            "material" => "MJCF colours geoms; the colour is written there, its name is not",
-            "transmission" | "ros2_control" => "MJCF has other words for what drives a joint",
+            "material" => "MJCF colours geoms: the colour is written there, without its name",
+            "transmission" | "ros2_control" => "MJCF describes drives in another way",
             "safety_controller" => "MJCF has no soft limits",
             "calibration" => "MJCF has no reference sensors",
             _ => "MJCF has no such element",
@@ -300,7 +300,7 @@ impl Writer<'_> {
     fn link_parts(&mut self, link: &Link, indent: &str, is_world: bool) {
         if is_world && link.inertial.is_some() {
             let owner = format!("link \"{}\"", link.name);
-            self.lose(link.at, owner, "<inertial>", "MuJoCo's world has none; this one has no mass");
+            self.lose(link.at, owner, "<inertial>", "MuJoCo's world has no mass; it is left out");
         }
         for (shapes, collides) in [(&link.visuals, false), (&link.collisions, true)] {
             for shape in shapes {
@@ -335,7 +335,7 @@ impl Writer<'_> {
                 }
             },
             _ => {
-                self.lose(link.at, owner(), role, "MJCF has no such shape, or none of its size");
+                self.lose(link.at, owner(), role, "MJCF has no such shape, or not of this size");
                 return;
             }
         };
@@ -344,7 +344,7 @@ impl Writer<'_> {
         if !name.is_empty() {
             let (given, renamed) = self.geoms.give(name);
             if renamed {
-                let why = format!("a geom's name stands once in MJCF; this one is called \"{given}\"");
+                let why = format!("names of geoms must be unique in MJCF; this one is called \"{given}\"");
                 self.lose(link.at, owner(), format!("name \"{name}\" of a {role}"), why);
             }
             let _ = write!(words, " name=\"{}\"", escaped(&given));
@@ -419,12 +419,7 @@ impl Writer<'_> {
             JointKind::Fixed => {
                 let generic = format!("{}_fixed", self.robot.links[joint.child].name);
                 if joint.name != generic {
-                    self.lose(
-                        joint.at,
-                        owner(),
-                        "its name",
-                        "a fixed joint is no element of MJCF; its place is the body's",
-                    );
+                    self.lose(joint.at, owner(), "its name", "MJCF has no fixed joints; its pose is the body's");
                 }
             }
             JointKind::Revolute | JointKind::Continuous => {
@@ -434,7 +429,7 @@ impl Writer<'_> {
                         joint.at,
                         owner(),
                         "revolute",
-                        "MJCF has no limited hinge without limits; this one turns without end",
+                        "MJCF has no limited hinge without limits; this one turns without limits",
                     );
                 }
             }
@@ -478,7 +473,7 @@ impl Writer<'_> {
                     joint.at,
                     owner(),
                     "floating",
-                    "a free joint is in MuJoCo's world alone; written as three slides and a ball",
+                    "MuJoCo allows a free joint only in its world; written as three slides and a ball",
                 );
             }
             JointKind::Unknown(word) if ["ball", "spherical"].contains(&word.as_str()) => {
@@ -532,7 +527,7 @@ impl Writer<'_> {
             )
         };
         if !couples(joint) || !driver.is_some_and(couples) {
-            self.lose(joint.at, owner, "<mimic>", "MJCF couples hinges and slides of the model alone");
+            self.lose(joint.at, owner, "<mimic>", "MJCF couples only hinges and slides of the model");
             return;
         }
         let _ = writeln!(
@@ -553,13 +548,13 @@ impl Writer<'_> {
                 let _ = write!(out, " range=\"{}\"", numbers(&[lower, upper]));
             }
             Some((lower, upper)) if joint.kind.moves() => {
-                let why = format!("MuJoCo refuses {lower} … {upper}: the upper limit is to be above the lower");
+                let why = format!("MuJoCo refuses {lower} … {upper}: the upper limit must be above the lower");
                 self.lose(joint.at, owner(), "range", why);
             }
             _ => {}
         }
         if joint.kind == JointKind::Continuous && joint.limits.range.is_some() {
-            self.lose(joint.at, owner(), "range", "it has no effect on a continuous joint, and is not written");
+            self.lose(joint.at, owner(), "range", "it has no effect on a continuous joint and is not written");
         }
         match joint.limits.effort {
             Some(effort) if effort > 0.0 => {

@@ -246,11 +246,14 @@ fn included_files_stand_in_their_place() {
 fn bad_input() {
     let body = |content: &str| refused(&format!("<worldbody><body name=\"b\">{content}</body></worldbody>"));
     for (found, expected) in [
-        (body("<joint range=\"1 x\"/>"), "m.xml:2: <joint>: range=\"1 x\": \"x\" is no number; write a finite number"),
+        (
+            body("<joint range=\"1 x\"/>"),
+            "m.xml:2: <joint>: range=\"1 x\": \"x\" is not a number; write a finite number",
+        ),
         (body("<joint range=\"1\"/>"), "m.xml:2: <joint>: range=\"1\" has 1 number(s); write 2"),
         (
             body("<joint type=\"screw\"/>"),
-            "m.xml:2: <joint>: type=\"screw\" is no kind of joint; write hinge, slide, ball or free",
+            "m.xml:2: <joint>: type=\"screw\" is not a joint type; write hinge, slide, ball or free",
         ),
         (body("<geom class=\"x\" size=\"1\"/>"), "m.xml:2: <geom>: there is no class \"x\"; define it in <default>"),
         (body("<geom type=\"mesh\" mesh=\"x\"/>"), "m.xml:2: <geom>: there is no mesh \"x\"; define it in <asset>"),
@@ -265,11 +268,11 @@ fn bad_input() {
         (body("<inertial pos=\"0 0 0\"/>"), "m.xml:2: <inertial>: has no mass; write mass=\"…\" in kg"),
         (
             refused("<include file=\"gone.xml\"/>"),
-            "m.xml:2: <include>: includes gone.xml, which cannot be read: there is no gone.xml; put the file there",
+            "m.xml:2: <include>: includes gone.xml, which cannot be read: there is no gone.xml; add the file",
         ),
         (
             refused("<compiler angle=\"grad\"/><worldbody/>"),
-            "m.xml:2: <compiler>: angle=\"grad\" is no unit; write degree or radian",
+            "m.xml:2: <compiler>: angle=\"grad\" is not a unit; write degree or radian",
         ),
         (refused(""), "m.xml:1: <mujoco>: has no <body> in its <worldbody>; name the file that holds the robot"),
     ] {
@@ -393,6 +396,6 @@ fn meshes_of_mujocos_own_format_weigh_what_mujoco_says() {
         let mut broken = bytes.clone();
         broken.truncate(100);
         let urdf = denavit_mjcf::read("m.xml", &text, &mut |_| Ok(broken.clone())).unwrap();
-        assert!(urdf.contains("no MSH file of MuJoCo"), "{urdf}");
+        assert!(urdf.contains("not a valid MuJoCo MSH file"), "{urdf}");
     }
 }

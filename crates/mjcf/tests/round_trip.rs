@@ -107,7 +107,8 @@ fn what_no_body_can_have_is_refused_or_changed_by_choice() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.starts_with("r.urdf:2: link \"b\": no body has the principal moments") && error.contains("fix-inertia"),
+        error.starts_with("r.urdf:2: link \"b\": no body can have the principal moments")
+            && error.contains("fix-inertia"),
         "{error}"
     );
     let changed =

@@ -1,4 +1,4 @@
-//! Where the tip of a URDF's longest chain is when every joint is at 0: `tip FILE`.
+//! The pose of the tip of a URDF's longest chain with every joint at 0: `tip FILE`.
 
 use denavit_model::{Reading, urdf};
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 pub use tips::{Tip, Tips, TipsError};
 
-/// What a coordinate counts.
+/// The quantity of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// An angle, rad.
@@ -19,7 +19,7 @@ pub enum Quantity {
     Length,
 }
 
-/// What a joint may do: positions in rad or m, velocity per second, effort in N·m or N; each where it is stated.
+/// Limits of a joint, each where stated: position in rad or m, velocity per second, effort in N·m or N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Lower and upper position, in the order of the source.
@@ -31,7 +31,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Limits of position alone.
+    /// Position limits only.
     pub fn between(lower: f64, upper: f64) -> Self {
         Self { range: Some((lower, upper)), ..Self::default() }
     }
@@ -49,7 +49,7 @@ pub struct Coordinate {
     pub name: String,
     /// Angle or length.
     pub quantity: Quantity,
-    /// Limits as far as they are stated; no range where the joint turns without end.
+    /// Limits that are stated; a continuous joint has no range.
     pub limits: Limits,
     /// Turns without end (URDF's `continuous`).
     pub continuous: bool,
@@ -109,12 +109,12 @@ pub struct Chain {
     home: Pose,
 }
 
-/// Why parts make no chain.
+/// Why a chain cannot be built from parts.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ChainError {
     /// A joint names a coordinate that is not there.
-    #[error("joint \"{joint}\": it is moved by coordinate {coordinate}, but there are {coordinates}")]
+    #[error("joint \"{joint}\" is moved by coordinate {coordinate}, but there are only {coordinates} coordinates")]
     NoSuchCoordinate {
         /// The joint.
         joint: String,
@@ -129,25 +129,25 @@ pub enum ChainError {
     /// A number is not finite, or a scale is zero.
     #[error("joint \"{0}\": scale, offset and axis must be finite and the scale not zero")]
     BadNumber(String),
-    /// A D-H table that has not one row more than joints.
-    #[error("the table has {rows} rows for {joints} joints; give one more than there are joints")]
+    /// The D-H table does not have one row more than joints.
+    #[error("the table has {rows} rows for {joints} joints; it needs one row more than there are joints")]
     Rows {
         /// How many there are.
         rows: usize,
         /// How many joints there are.
         joints: usize,
     },
-    /// The home pose has a number that is not finite.
-    #[error("the home pose has a number that is not finite")]
+    /// A number of the home pose is not finite.
+    #[error("a number of the home pose is not finite")]
     BadHome,
-    /// The upper left of the home pose is no rotation.
+    /// The upper left of the home pose is not a rotation.
     #[error(
-        "the home pose is no rotation: its columns are not of length 1 and at right angles, or are left-handed; correct its first three columns"
+        "the rotation of the home pose is invalid: its columns are not of length 1 and orthogonal, or are left-handed; correct its first three columns"
     )]
     HomeNotARotation,
     /// Something lies farther away than any robot reaches.
     #[error(
-        "{what} lies {metres} m from the base; give every length in m (this file may be in mm, or a number is garbage)"
+        "{what} lies {metres} m from the base; give every length in m (this file may be in mm, or a number may be wrong)"
     )]
     TooFar {
         /// Which joint, or the tip.
@@ -157,15 +157,15 @@ pub enum ChainError {
     },
 }
 
-/// A rotation written to three decimals is off from orthonormal by no more than this.
+/// A rotation written to three decimals deviates from orthonormal by at most this.
 const NO_ROTATION: f64 = 5e-3;
 
-/// Farther from the base than this, m, nothing of a robot is: a double has then fewer digits left below the millimetre
+/// No part of a robot is farther from the base than this, m: beyond it a double has fewer digits left below the millimetre
 /// than arithmetic along an arm needs.
 const FARTHEST: f64 = 1e5;
 
 impl Chain {
-    /// Refuses a chain that was read from a file and reaches absurdly far: what is computed of it would be garbage.
+    /// Refuses a chain that was read from a file and is impossibly large: results from it would be meaningless.
     ///
     /// # Errors
     /// A joint or the tip lies farther from the base than 100 km.
@@ -184,10 +184,10 @@ impl Chain {
         }
     }
 
-    /// A chain from its parts; axis points are moved next to the arm, the home rotation is made orthonormal.
+    /// Builds a chain from its parts; moves axis points close to the arm and makes the home rotation orthonormal.
     ///
     /// # Errors
-    /// A coordinate is missing or named twice, a number is not finite, or the home pose is no rotation.
+    /// A coordinate is missing or named twice, a number is not finite, or the home pose is not a rotation.
     pub fn new(
         (name, base, tip): (impl Into<String>, impl Into<String>, impl Into<String>),
         coordinates: Vec<Coordinate>,
@@ -260,14 +260,14 @@ impl Chain {
         &self.home
     }
 
-    /// The same motion under another robot name.
+    /// The same chain with another robot name.
     #[must_use]
     pub fn renamed(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// The same joints with other screw axes and home pose: what calibration and gauge moves make.
+    /// The same joints with other screw axes and home pose: the result of a calibration or a change of gauge.
     ///
     /// # Errors
     /// As [`Chain::new`].

@@ -1,4 +1,4 @@
-//! Chains made ready for speed: forward kinematics and Jacobians of one configuration or of many, without allocation.
+//! Compiled chains: fast forward kinematics and Jacobians of one or many configurations, without allocation.
 //!
 //! ```text
 //! Chain ──► frames (z on each axis, x across neighbours) ──► blocks of eight joints ──► one configuration: lanes are joints, then rows
@@ -26,7 +26,7 @@ use nalgebra::Vector6;
 pub use sin_cos::{sine_and_cosine, sines_and_cosines};
 use std::num::NonZeroUsize;
 
-/// What a Jacobian's columns say of the tip, all as `[angular; linear]` per unit of a coordinate.
+/// The kind of a Jacobian; its columns are `[angular; linear]` per unit of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JacobianFrame {
     /// Its twist in the base frame (space Jacobian).
@@ -37,7 +37,7 @@ pub enum JacobianFrame {
     Tip,
 }
 
-/// A chain compiled to straight-line work.
+/// A chain compiled to straight-line code.
 ///
 /// # Accuracy
 /// Poses are those of [`Chain::fk`] to 1e-14 of the robot's size and 1e-14 rad, for every kind of joint, also in batches
@@ -65,7 +65,7 @@ pub struct CompiledChain {
 }
 
 impl CompiledChain {
-    /// Compiles a chain: worth it from some ten poses on.
+    /// Compiles a chain; worthwhile for about ten poses or more.
     pub fn new(chain: &Chain) -> Self {
         Self::for_instructions(chain, Level::new())
     }
@@ -136,7 +136,7 @@ impl CompiledChain {
         dispatch!(self.level, simd => batch::poses(simd, self, q, poses));
     }
 
-    /// The tip's origin, m, at many configurations; what samplers want, and quicker than whole poses.
+    /// The tip's origin, m, at many configurations; faster than whole poses, for samplers.
     ///
     /// # Panics
     /// As [`CompiledChain::poses_into`].
@@ -171,7 +171,7 @@ impl CompiledChain {
         self.share(threads, q, tips, 1, |q, tips| self.tips_into(q, tips));
     }
 
-    /// base_from_tip at many configurations as homogeneous matrices: the sixteen numbers of each row by row.
+    /// base_from_tip at many configurations as homogeneous matrices: sixteen numbers each, row by row.
     ///
     /// # Panics
     /// As [`CompiledChain::poses_into`].
@@ -192,7 +192,7 @@ impl CompiledChain {
     /// row, the angular rows first.
     ///
     /// # Panics
-    /// The lengths of `q` and `jacobians` do not go together.
+    /// The lengths of `q` and `jacobians` do not match.
     pub fn jacobians_into(&self, frame: JacobianFrame, q: &[f64], jacobians: &mut [f64]) {
         assert_eq!(6 * q.len(), jacobians.len(), "six numbers for each coordinate of each configuration");
         if !q.is_empty() {

@@ -13,7 +13,7 @@ pub struct Element {
     pub at: usize,
 }
 
-/// Where it is in the text is no part of what it says.
+/// Two elements are equal wherever they are in the text.
 impl PartialEq for Element {
     fn eq(&self, other: &Self) -> bool {
         self.nodes == other.nodes
@@ -25,7 +25,7 @@ impl Eq for Element {}
 /// One element of an [`Element`]'s tree.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ElementNode {
-    /// How deep it stands; 0 for the element itself.
+    /// Its depth; 0 for the element itself.
     pub depth: usize,
     /// Its tag as written, prefix included.
     pub tag: String,
@@ -87,7 +87,7 @@ impl Element {
         self.attribute(name)?.trim().parse().ok().filter(|number: &f64| number.is_finite())
     }
 
-    /// What tells it from others of its tag: `transmission "elbow"`, `gazebo of "forearm"`, `gazebo of plugin "control"`,
+    /// A label that distinguishes it from others of its tag: `transmission "elbow"`, `gazebo of "forearm"`, `gazebo of plugin "control"`,
     /// or the tag alone.
     pub fn label(&self) -> String {
         let Some(node) = self.nodes.first() else { return String::new() };

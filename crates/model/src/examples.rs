@@ -1,4 +1,4 @@
-//! A few robots known by name, for tests and doctests of every crate: figures are round and mean nothing.
+//! A few example robots for the tests and doctests of all crates, with arbitrary round numbers.
 
 use crate::chain::{Chain, ChainJoint, Coordinate, Limits, Quantity};
 use crate::screw::{AxisLine, Pitch, Screw};

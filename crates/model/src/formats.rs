@@ -1,8 +1,8 @@
-//! Descriptions in other formats than URDF: what their readers and writers have in common.
+//! Descriptions in formats other than URDF: what their readers and writers share.
 //!
-//! A reader of another format (MJCF, SDF) makes URDF text of it, with a line of the source for each line of that text, and a list
-//! of what URDF cannot say. Both travel inside the text, in one processing instruction behind the XML declaration, as a C
-//! compiler's `#line` does: whoever reads the text as URDF names the places of the source, and what was kept is in the robot's
+//! A reader of another format (MJCF, SDF) translates it to URDF text, with a source line for each line of that text, and a list
+//! of what URDF cannot state. Both are stored in the text, in one processing instruction after the XML declaration, like a C
+//! compiler's `#line`: messages about the URDF then name places in the source, and what was kept is in the robot's
 //! [inventory](crate::Robot::inventory).
 //!
 //! ```text
@@ -106,7 +106,7 @@ pub struct Loss {
     pub place: Place,
     /// What it is, such as `<tendon> "split"`.
     pub what: String,
-    /// Why the other format has no word for it, and what that means, a clause.
+    /// Why the other format cannot state it and what follows, a clause.
     pub why: String,
 }
 
@@ -116,7 +116,7 @@ impl fmt::Display for Loss {
     }
 }
 
-/// Something of a source that URDF cannot say.
+/// Part of a source that URDF cannot state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kept {
     /// What, where and why.
@@ -136,9 +136,9 @@ pub struct Translation {
     pub files: Vec<String>,
     /// For each line of the text behind the instruction: which file, which line (from 1).
     pub lines: Vec<(usize, usize)>,
-    /// What URDF cannot say, in the order of the source.
+    /// What URDF cannot state, in the order of the source.
     pub kept: Vec<Kept>,
-    /// What was read otherwise than it is written, or needs a word: place and sentence.
+    /// What was read differently from what is written, or needs a note: place and sentence.
     pub notes: Vec<(Place, String)>,
     /// Notes that are findings of a rule of `check`: its name, place and sentence.
     pub findings: Vec<(String, Place, String)>,
@@ -148,13 +148,13 @@ pub struct Translation {
     header: usize,
 }
 
-/// Bytes of a record, about, what is kept not counted.
+/// Approximate bytes of a record, without kept elements.
 const RECORD: usize = 150;
 const OPENS: &str = "<?denavit-source ";
 const XML: &str = "<?xml version=\"1.0\"?>\n";
 
 impl Translation {
-    /// Of a source, as yet without content.
+    /// For a source, still empty.
     pub fn new(format: Format, file: impl Into<String>) -> Self {
         Self {
             format,
@@ -222,7 +222,7 @@ impl Translation {
         Some(result)
     }
 
-    /// What must be said of the reading: the notes, then one for each kind of thing that is not understood.
+    /// The notes of the reading, then one note for each kind of thing that is not understood.
     pub(crate) fn reader_notes(&self) -> Vec<Note> {
         let found = self.findings.iter().map(|(_, place, what)| (place, what));
         let own = self.notes.iter().map(|(place, what)| (place, what)).chain(found);
@@ -301,12 +301,12 @@ fn instruction(text: &str) -> Option<(std::ops::Range<usize>, usize, &str)> {
     Some((start..ends, before, &inside[..end]))
 }
 
-/// Where the description itself begins in a text: behind the places of its source.
+/// Where the description itself begins in a text: after the places of its source.
 pub(crate) fn behind_instruction(text: &str) -> usize {
     instruction(text).map_or(0, |(range, ..)| range.end)
 }
 
-/// A translated text as a URDF that stands for itself: without the places of its source.
+/// A translated text as a self-contained URDF, without the places of its source.
 pub fn as_urdf(text: &str) -> String {
     match instruction(text) {
         Some((range, ..)) => format!("{}{}", &text[..range.start], &text[range.end..]),
@@ -397,7 +397,7 @@ fn fields<const N: usize>(record: &str) -> Option<[&str; N]> {
 pub struct Builder {
     /// Files, places, what is kept and noted.
     pub translation: Translation,
-    /// The tree that the lines say, as values, where the reader made it beside them: then nobody need read them. Its offsets
+    /// The tree of the lines as values, where the reader built it too, so that the text need not be parsed. Its offsets
     /// are those of [`Builder::offset`].
     pub tree: Option<Loose>,
     body: String,
@@ -454,20 +454,20 @@ impl Builder {
     }
 }
 
-/// A robot as text in some format, and what that could not say.
+/// A robot as text in some format, and what that format cannot state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
     /// The description.
     pub text: String,
-    /// What the format has no word for, with its place in the source.
+    /// What the format cannot state, with its place in the source.
     pub losses: Vec<Loss>,
-    /// What brings the losses back on the way home, JSON; `None` where nothing is lost.
+    /// JSON that restores the losses when converting back; `None` where nothing is lost.
     pub sidecar: Option<String>,
-    /// What was checked of the text, a line each, with the largest differences.
+    /// The checks made on the text, one line each, with the largest differences.
     pub proof: Vec<String>,
 }
 
-/// Why a description is no robot, or a robot cannot be written: each with its place and the fix.
+/// Why a description is not a valid robot, or a robot cannot be written: each with its place and the fix.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub struct FormatError {
     /// At least one: place and a sentence that says what to do.

@@ -1,4 +1,4 @@
-//! The three forms of a product of exponentials: base, tool and local frames, and the ways between them.
+//! The three forms of a product of exponentials: base, tool and local frames, and conversions between them.
 //!
 //! ```text
 //! base   T = exp([S1] q1) ··· exp([Sn] qn) M                       twists in the base frame     eq. (5)
@@ -40,11 +40,11 @@ pub struct LocalForm {
     pub steps: Vec<Pose>,
 }
 
-/// Why twists make no chain.
+/// Why twists do not form a chain.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FormError {
-    /// A twist is no screw axis.
+    /// A twist is not a screw axis.
     #[error("joint {number}: {source}")]
     Twist {
         /// Counted from 1.
@@ -52,7 +52,7 @@ pub enum FormError {
         /// What is wrong with it.
         source: TwistError,
     },
-    /// The parts make no chain.
+    /// The parts do not form a chain.
     #[error(transparent)]
     Chain(#[from] ChainError),
 }

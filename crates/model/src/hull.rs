@@ -16,8 +16,8 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The hull of points (m): each is put in, faces that see it go, and their outline is joined to it. That is slow in some orders of
-    /// the points; [`in_no_order`] makes one in which it is not.
+    /// The hull of points (m): each point is added, the faces that it sees are removed, and their outline is joined to it. This is
+    /// slow for some orders of the points; [`in_no_order`] gives a fast order.
     /// `None` where the points lie in a plane.
     ///
     /// # Examples
@@ -87,7 +87,7 @@ pub fn signed_volume(triangles: impl IntoIterator<Item = Triangle>) -> f64 {
     triangles.into_iter().map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum()
 }
 
-/// Each point once, in an order that has nothing to do with where they are.
+/// Each point once, in an order unrelated to their positions.
 pub fn in_no_order(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let bits = |point: &Vector3<f64>| [point.x, point.y, point.z].map(|x| (x + 0.0).to_bits());
     let key = |bits: [u64; 3]| {

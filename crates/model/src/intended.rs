@@ -2,11 +2,11 @@
 //!
 //! "1.57" is π/2 to two places, "3.14158" is twice 1.57079; "1.570512345" is a calibrated value. A literal counts as
 //! a multiple of π only if that multiple, rounded or cut off at the last place that is written (or at single
-//! precision), is what stands there, and if enough digits are written that chance is no explanation:
+//! precision), equals the literal, and if enough digits are written to rule out chance:
 //! three for multiples of π/4, four for multiples of π/6 and π/12.
 //!
-//! Axes are read by the same thought: "2.2e-08 -4.4e-08 -1.0" is what a drawing program's arithmetic left of 0 0 -1, and
-//! "0.9659258 0.258819 0" is 15°. A calibrated axis is off by far more than such dust, or is written with all its digits.
+//! Axes are read in the same way: "2.2e-08 -4.4e-08 -1.0" is 0 0 -1 with a CAD program's rounding errors, and
+//! "0.9659258 0.258819 0" is 15°. A calibrated axis deviates far more than such rounding, or is written with all its digits.
 
 use crate::se3;
 use nalgebra::{Unit, Vector3};
@@ -23,7 +23,7 @@ pub struct IntendedAngle {
     pub change: f64,
 }
 
-/// Above this many quarter turns nobody writes an angle out.
+/// Nobody writes out angles beyond this many quarter turns.
 const MOST_TURNS: f64 = 4.0;
 
 /// The multiple of π that `written` was meant for; `None` if it is not one, or not surely, or exactly that already.
@@ -68,8 +68,8 @@ pub fn read_as(written: &str) -> Option<IntendedAngle> {
 /// A pitch this near to ±π/2 (rad) is one: at gimbal lock the conversion from a matrix keeps half the digits.
 const GIMBAL_DUST: f64 = 5e-6;
 
-/// The quarter turn that a pitch (the second angle of `rpy`) was meant for, where arithmetic at gimbal lock left something
-/// beside it: "-1.5707927". `None` if it is not one, or written with more digits than such files have, or where
+/// The quarter turn that a pitch (the second angle of `rpy`) was meant to be, where arithmetic at gimbal lock added an
+/// error: "-1.5707927". `None` if it is not one, or is written with more digits than such files have, or where
 /// [`read_as`] reads it already.
 ///
 /// # Examples
@@ -106,20 +106,20 @@ pub struct IntendedAxis {
     pub turned: f64,
 }
 
-/// A tilt (rad) up to which nobody can have meant it, however many digits state it: single precision.
+/// A tilt (rad) up to this cannot be intended, however many digits it has: single precision.
 const AXIS_DUST: f64 = 1e-7;
-/// A tilt (rad) up to which it is dust where few digits state it. No calibration of an arm sees less: 20 µm in a metre.
+/// A tilt (rad) up to this is rounding if it has few digits. No arm calibration resolves less: 20 µm in a metre.
 const SHORT_AXIS_DUST: f64 = 2e-5;
-/// More digits than this in a component that is dust are somebody's result.
+/// More digits than this in a tiny component mean a computed result, not rounding.
 const SHORT: usize = 6;
-/// The same beside a component that is written as 1.
+/// The same where another component is written as 1.
 const SHORT_SINGLE: usize = 9;
-/// More digits than this in a component beside dust: the same.
+/// The same for the digits of a component next to a tiny one.
 const SHORT_LARGE: usize = 8;
 
 /// The direction that the three numbers of an axis were surely meant for, where it is not exactly what is written.
 ///
-/// Components that are dust beside the others become 0. If two are left that are the sine and cosine of a multiple of
+/// Components that are rounding errors become 0. If the two others are the sine and cosine of a multiple of
 /// 15°, each to the digits that are written, they become that.
 ///
 /// # Examples
@@ -179,7 +179,7 @@ pub fn axis_read_as(written: &str) -> Option<IntendedAxis> {
 
 /// The multiple of 15° of which two components are cosine and sine, as far as they are written; rad and degrees.
 fn between_axes((one, x): (&str, f64), (other, y): (&str, f64)) -> Option<(f64, u32)> {
-    /// Digits of both together that chance does not explain.
+    /// With this many digits in both together, chance is ruled out.
     const DIGITS: usize = 6;
     for parts in 1..6_u32 {
         let angle = f64::from(parts) * PI / 12.0;

@@ -1,4 +1,4 @@
-//! What became of everything that a reader met: understood, carried along, or reported.
+//! What a reader did with everything in its source: understood, kept, or reported.
 //!
 //! Every reader (URDF, xacro, tables, makers' files, measurements) returns its value together with an [`Inventory`].
 //! What is understood is only counted; what is not has an [`Item`] with its place.
@@ -10,11 +10,11 @@ use crate::notes::Place;
 pub enum Outcome {
     /// Kept unchanged, and independent of everything that is re-expressed: a colour, a comment, a plugin's text.
     Carried,
-    /// Ignored, and said so in a note or an error.
+    /// Ignored, and reported by a note or an error.
     Reported,
 }
 
-/// One thing that a reader met and did not understand.
+/// One thing in the source that the reader did not understand.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Item {
     /// Where it stands.
@@ -25,7 +25,7 @@ pub struct Item {
     pub outcome: Outcome,
 }
 
-/// Everything that a reader met, in the order of the source.
+/// Everything in a source, in its order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Inventory {
     /// How many attributes, elements, cells and rows were understood.
@@ -60,7 +60,7 @@ impl Inventory {
         self.items.iter().filter(|item| item.outcome == Outcome::Reported)
     }
 
-    /// Adds what another reader of the same source met.
+    /// Adds the inventory of another reader of the same source.
     pub fn append(&mut self, other: Self) {
         self.understood += other.understood;
         self.items.extend(other.items);

@@ -3,7 +3,7 @@
 //! ```text
 //! URDF text ──► Robot (tree, everything kept) ──► Chain (screw axes, home pose) ──► forward kinematics, Jacobian
 //! ```
-//! The crate opens no files and knows no Denavit-Hartenberg numbers. Lengths are m, angles rad.
+//! The crate opens no files and does not handle Denavit-Hartenberg parameters. Lengths are in m, angles in rad.
 
 pub mod chain;
 pub mod compiled;

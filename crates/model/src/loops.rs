@@ -1,6 +1,6 @@
-//! Closed loops that a file states beside its tree: they are known and carried along, but not solved.
+//! Closed loops that a file states in addition to its tree: they are recognised and kept, but not solved.
 //!
-//! URDF's tree cannot close. Files say so in other ways: `<constraint>` (URDF 1.2's proposal), Drake's `<loop_joint>` and
+//! URDF's tree has no loops. Files state loops in other ways: `<constraint>` (URDF 1.2's proposal), Drake's `<loop_joint>` and
 //! constraints, a `<joint>` between two links inside `<gazebo>` (SDF's), an `<equality>` inside `<mujoco>`.
 
 use crate::element::{Element, ElementNode};

@@ -1,8 +1,8 @@
-//! Places in a file, and findings that are no failure but must not be silent.
+//! Places in a file, and findings that are not failures but must be reported.
 
 use std::fmt;
 
-/// Where in a file something stands.
+/// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// The file's name, as the user gave it.
@@ -19,11 +19,11 @@ impl fmt::Display for Place {
     }
 }
 
-/// What was read otherwise than it is written, or what a user must know of a result.
+/// What was read differently from what is written, or what a user must know about a result.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// Something that the format does not allow was taken as it was surely meant.
+    /// Something that the format does not allow was read as it was clearly meant.
     Mended {
         /// Where.
         place: Place,
@@ -37,7 +37,7 @@ pub enum Note {
         /// What it is and what the user can do, a sentence.
         what: String,
     },
-    /// An angle was read as the multiple of π that it was written for.
+    /// An angle was read as the multiple of π that it stands for.
     IntendedAngle {
         /// Where.
         place: Place,
@@ -70,7 +70,7 @@ pub enum Note {
         /// The robot's size, m.
         size: f64,
     },
-    /// A joint of the robot is in the chain as several (a planar joint).
+    /// A joint of the robot became several joints of the chain (a planar joint).
     Split {
         /// Where.
         place: Place,
@@ -87,7 +87,7 @@ pub enum Note {
 }
 
 impl Note {
-    /// The most by which what the note tells of moves the tip, m; 0 where it moves nothing.
+    /// The largest motion of the tip due to what the note reports, m; 0 where nothing moves.
     pub fn tip_moves(&self) -> f64 {
         match self {
             Self::IntendedAngle { tip_moves, .. } | Self::TreatedAsParallel { tip_moves, .. } => *tip_moves,
@@ -116,13 +116,13 @@ impl fmt::Display for Note {
             ),
             Self::EndsAtTool { tip, finger } => write!(
                 f,
-                "no tip was named: the chain ends at \"{tip}\", as the joints below it are a hand's; ‹tip› \"{finger}\" \
+                "no tip was given: the chain ends at \"{tip}\" because the joints below it belong to a hand; ‹tip› \"{finger}\" \
                  continues to a finger"
             ),
             Self::FarNumber { joints: (one, other), angle, length, size } => write!(
                 f,
-                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel, so their common normal lies {} \
-                 away on a robot of {}; if they are meant to be parallel, raise ‹tolerance›, else use \
+                "axes of \"{one}\" and \"{other}\" are {angle:.1e} rad from parallel, so their common normal is {} \
+                 away (robot size {}); if they are meant to be parallel, raise ‹tolerance›, otherwise use \
                  ‹convention› hayati",
                 Length(length.abs()),
                 Length(*size)
@@ -131,7 +131,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// How far a tip moves, m; how far it turns, rad, where it moves by nothing.
+/// How far a tip moves, m; where it does not move, how far it turns, rad.
 struct Motion {
     moves: f64,
     turns: f64,
@@ -140,7 +140,7 @@ struct Motion {
 impl fmt::Display for Motion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.moves == 0.0 {
-            return write!(f, "turns by at most {:.1e} rad, and moves by nothing", self.turns.abs());
+            return write!(f, "turns by at most {:.1e} rad and does not move", self.turns.abs());
         }
         write!(f, "moves by at most {}", Length(self.moves))
     }
@@ -163,7 +163,7 @@ impl fmt::Display for Length {
     }
 }
 
-/// A value and what must be said with it.
+/// A value and its notes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noted<T> {
     /// The value.

@@ -1,7 +1,7 @@
-//! A robot placed: what follows from its tree alone, found once for all who need it.
+//! A robot with everything that follows from its tree, computed once.
 //!
 //! Which joint carries which link, angles as they are read, where every link is with every joint value 0, what moves as
-//! one, and whose value moves each joint. Chains, comparison, export, drawings and statics take it from here.
+//! one, and whose value moves each joint. Used by chains, comparison, export, drawings and statics.
 
 use crate::chain::Quantity;
 use crate::notes::Noted;
@@ -13,7 +13,7 @@ use crate::tree::{Reading, TreeError};
 use nalgebra::{Matrix3, Point3};
 use std::collections::HashMap;
 
-/// A robot and what follows from its tree; cheap against reading the file, linear in the number of links.
+/// A robot and what follows from its tree; linear in the number of links, and cheap compared to reading the file.
 #[derive(Debug, Clone)]
 pub struct PlacedRobot<'a> {
     robot: &'a Robot,
@@ -52,7 +52,7 @@ pub enum Follows {
     Unknown,
 }
 
-/// Why a mimic joint follows nothing.
+/// Why a mimic joint has no joint to follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct NoDrive {
     /// The joint whose `mimic` leads nowhere: the joint itself, or one that it follows.
@@ -137,7 +137,7 @@ impl<'a> PlacedRobot<'a> {
         &self.poses[link]
     }
 
-    /// The link that carries the rigid body which a link belongs to: the one behind the nearest moving joint.
+    /// The first link of the rigid body that a link belongs to: the one after the nearest moving joint.
     pub fn body(&self, link: usize) -> usize {
         self.bodies[link]
     }
@@ -156,7 +156,7 @@ impl<'a> PlacedRobot<'a> {
         Some(PlacedMass { mass: *mass, centre: Point3::from(placed.translation.vector), tensor })
     }
 
-    /// A joint's screw axis in the root frame; `None` where its kind has none. A planar joint has its normal's direction.
+    /// A joint's screw axis in the root frame; `None` where its kind has none. For a planar joint: the direction of its normal.
     pub fn screw(&self, joint: usize) -> Option<Screw> {
         let joint = &self.robot.joints[joint];
         let screw = joint.kind.screw(joint, self.reading).or_else(|| {
@@ -237,13 +237,13 @@ impl JointKind {
         matches!(self, Self::Revolute | Self::Continuous | Self::Prismatic | Self::Screw(_))
     }
 
-    /// What the value of a joint of this kind counts.
+    /// The quantity of the value of a joint of this kind.
     pub fn quantity(&self) -> Quantity {
         if *self == Self::Prismatic { Quantity::Length } else { Quantity::Angle }
     }
 }
 
-/// Every joint's drive: those that follow another behind the one that they follow, each once.
+/// Every joint's drive, each once, followers after the joint that they follow.
 fn drives(robot: &Robot) -> Vec<Result<Drive, NoDrive>> {
     let still = Drive { driver: None, scale: 1.0, offset: 0.0 };
     let own = |index: usize| Drive { driver: robot.joints[index].kind.moves().then_some(index), ..still };

@@ -1,8 +1,8 @@
-//! Where everything sits that a file gives in the frame of a link beside visuals, collisions and inertials: sensors and
+//! Poses of everything that a file gives in a link's frame, other than visuals, collisions and inertials: sensors and
 //! lights inside `<gazebo>`, offsets of plugins, `<sensor>` with an `<origin>`, frames, loop joints, friction directions.
 //!
-//! A link's frame may be chosen freely as long as what sits in it is written anew. Who chooses another frame, and who
-//! compares two robots, reads these places by [`in_element`], and writes them by [`Posed::rewritten`], each in its own
+//! A link's frame can be chosen freely as long as everything in it is rewritten. Code that changes a frame, or
+//! compares two robots, reads these poses by [`in_element`] and writes them by [`Posed::rewritten`], each in its own
 //! notation.
 //!
 //! ```text
@@ -18,7 +18,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 pub struct Posed {
     /// The node of [`Element::nodes`] that has the numbers; where there are none, the part that sits at its frame's origin.
     pub node: usize,
-    /// What it is given in.
+    /// Its reference frame.
     pub frame: Frame,
     /// Where it is.
     pub placed: Placed,
@@ -26,10 +26,10 @@ pub struct Posed {
     pub notation: Notation,
 }
 
-/// What a pose is given in.
+/// The reference frame of a pose.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Frame {
-    /// The frame of a link, or of a joint (which is that of its child link), by name. It may be a name that nothing has.
+    /// The frame of a link, or of a joint (which is that of its child link), by name. The name may not exist.
     Named(String),
     /// The robot as a whole: the root link's frame.
     Root,
@@ -44,7 +44,7 @@ pub enum Placed {
     Pose(Pose),
     /// A point, m.
     Point(Vector3<f64>),
-    /// A direction; its length means nothing.
+    /// A direction; its length does not matter.
     Direction(Vector3<f64>),
 }
 
@@ -74,7 +74,7 @@ pub enum Notation {
     Text,
     /// Three numbers in an attribute of `node`.
     Attribute(&'static str),
-    /// Nothing: it is at the origin of its frame, and this child of `node` would say otherwise.
+    /// Not written: it is at the origin of its frame; this child of `node` would state another pose.
     Missing(&'static str),
 }
 
@@ -106,7 +106,7 @@ pub enum How {
 }
 
 impl Posed {
-    /// The nodes and attributes (`None`: the node's text, or that it is there) that say this and nothing else.
+    /// The nodes and attributes (`None`: the node's text, or its presence) that state only this.
     pub fn says(&self, node: usize, attribute: Option<&str>) -> bool {
         match &self.notation {
             Notation::Pose { .. } => {
@@ -175,7 +175,7 @@ fn rotation_numbers(pose: &Pose, degrees: bool, quaternion: bool) -> Vec<f64> {
 const SITS: [&str; 4] = ["sensor", "light", "projector", "particle_emitter"];
 /// Parts that replace what the link has unless they have a `<pose>`.
 const MAY_SIT: [&str; 2] = ["visual", "collision"];
-/// Elements that state no places in the frames of links.
+/// Elements without poses in the frames of links.
 const WITHOUT_PLACES: [&str; 4] = ["transmission", "ros2_control", "material", "mujoco"];
 
 /// No format places something deeper inside an element than this.
@@ -183,7 +183,7 @@ const DEEP: usize = 16;
 
 /// Everything that an element places. `owner`: the link that it is in.
 ///
-/// What is no place although it should be, such as a `<pose>` of five numbers, is not among them and stays a text.
+/// A malformed pose, such as a `<pose>` of five numbers, is not included and stays a text.
 ///
 /// # Examples
 /// ```

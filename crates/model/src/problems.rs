@@ -1,4 +1,4 @@
-//! Why a file is no robot: every problem with its place and fix.
+//! Why a file is not a valid robot: every problem with its place and fix.
 
 use crate::notes::Place;
 use std::fmt;
@@ -84,7 +84,7 @@ pub enum ProblemKind {
         /// The other joint.
         other: String,
     },
-    /// No link is free of a parent joint, or a part of the tree closes on itself.
+    /// Every link has a parent joint, or a part of the tree forms a loop.
     #[error("the joints close a loop through links {links}; a URDF is a tree, so cut the loop at one joint")]
     Cycle {
         /// Names, quoted.
@@ -116,10 +116,10 @@ pub enum ProblemKind {
         quat_xyzw: String,
     },
     /// A quaternion of length zero.
-    #[error("quat_xyzw=\"{0}\" has length zero; no rotation is \"0 0 0 1\"")]
+    #[error("quat_xyzw=\"{0}\" has length zero; for no rotation write \"0 0 0 1\"")]
     ZeroQuaternion(String),
     /// Not a number.
-    #[error("<{element} {attribute}=\"{value}\">: \"{word}\" is no finite number{}", if .value.contains("${") || .value.contains("$(") { "; the file is xacro that was not expanded" } else { "" })]
+    #[error("<{element} {attribute}=\"{value}\">: \"{word}\" is not a finite number{}", if .value.contains("${") || .value.contains("$(") { "; the file is xacro that was not expanded" } else { "" })]
     BadNumber {
         /// Tag.
         element: String,
@@ -131,7 +131,7 @@ pub enum ProblemKind {
         word: String,
     },
     /// Too few or too many numbers.
-    #[error("<{element} {attribute}=\"{value}\">: {found} numbers where {expected} belong")]
+    #[error("<{element} {attribute}=\"{value}\"> has {found} numbers instead of {expected}")]
     WrongCount {
         /// Tag.
         element: String,

@@ -1,4 +1,4 @@
-//! A robot as its URDF gives it: links, joints, and the text that they came from.
+//! A robot as its URDF describes it: links, joints, and their source text.
 
 use crate::chain::Limits;
 use crate::element::Element;
@@ -24,17 +24,17 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Index of the one link that no joint carries.
     pub root: usize,
-    /// What stands beside links and joints in the file: transmissions, simulators' and controllers' settings, materials.
+    /// Other elements of the file: transmissions, simulators' and controllers' settings, materials.
     pub elements: Vec<Element>,
-    /// What was mended or taken as meant while reading, what is not understood, and what is carried along but not used.
+    /// What was repaired or read as meant, what is not understood, and what is kept but not used.
     pub notes: Vec<Note>,
-    /// What was understood and what was not; [`Robot::inventory`] adds what is carried along.
+    /// What was understood and what was not; [`Robot::inventory`] adds what is kept.
     pub read: Inventory,
     /// Where it came from.
     pub source: SourceText,
 }
 
-/// The text of a robot description, such that nothing is lost on the way out again. It does not change once made.
+/// The text of a robot description, complete enough to write it again without loss. It is immutable.
 #[derive(Debug, Clone, Default)]
 pub struct SourceText {
     /// Name of the file, for messages.
@@ -52,7 +52,7 @@ pub struct SourceText {
 }
 
 impl SourceText {
-    /// A text of which nothing was dropped and to which nothing was added.
+    /// A text without anything removed or added.
     pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
         let text = text.into();
         let translation = Translation::of_text(&text).map(Box::new);
@@ -69,7 +69,7 @@ impl SourceText {
         self.translation.as_ref().map_or(Format::Urdf, |translation| translation.format)
     }
 
-    /// What the description says and URDF cannot.
+    /// What the description states and URDF cannot.
     pub fn kept(&self) -> &[Kept] {
         self.translation.as_ref().map_or(&[], |translation| &translation.kept)
     }
@@ -142,7 +142,7 @@ pub struct ReadOrigin {
     pub xyz: [f64; 3],
     /// Fixed-axis angles roll, pitch, yaw, rad.
     pub rpy: [f64; 3],
-    /// Literals that were read as another number than stands there, with that number.
+    /// Literals that were read as a number other than the written one, with that number.
     pub reread: Vec<(String, IntendedAngle)>,
 }
 
@@ -249,7 +249,7 @@ pub struct Joint {
     pub axis: Unit<Vector3<f64>>,
     /// The axis as the file gives it, before it is made of unit length; `None` where it gives none (URDF: 1 0 0).
     pub axis_written: Option<[f64; 3]>,
-    /// The direction that the axis was surely meant to have, where that is another than is written.
+    /// The direction that the axis was clearly meant to have, where it differs from the written one.
     pub axis_meant: Option<IntendedAxis>,
     /// Limits, as far as they are given; [`Joint::limits_in_force`] leaves out what the joint's kind does not have.
     pub limits: Limits,
@@ -398,7 +398,7 @@ pub struct Mimic {
 }
 
 impl Link {
-    /// A link of which nothing but its name and its place in the text is known.
+    /// A link of which only the name and the place in the text are known.
     pub fn named(name: impl Into<String>, at: usize) -> Self {
         let (visuals, collisions, elements) = (Vec::new(), Vec::new(), Vec::new());
         Self { name: name.into(), inertial: None, visuals, collisions, elements, at }
@@ -406,7 +406,7 @@ impl Link {
 }
 
 impl Robot {
-    /// What became of everything in the file, in its order: what is understood is counted, what is carried along
+    /// What was done with everything in the file, in its order: what is understood is counted, what is kept
     /// unchanged and what is not understood has its place.
     ///
     /// # Examples
@@ -456,7 +456,7 @@ impl Robot {
         inventory
     }
 
-    /// Notes on what is carried along and acts on nothing here: closed loops, calibration positions.
+    /// Notes on what is kept but has no effect here: closed loops, calibration positions.
     pub fn unused(&self) -> Vec<Note> {
         let mut notes: Vec<Note> = self
             .loops()
@@ -467,8 +467,8 @@ impl Robot {
                     _ => String::new(),
                 };
                 let what = format!(
-                    "closes a loop{ends}, which is carried along and not solved: every joint moves freely here, so give \
-                     joint values that close it"
+                    "closes a loop{ends}; it is kept but not solved: every joint moves freely here, so give \
+                     joint values that close the loop"
                 );
                 Note::NotUnderstood { place: self.source.place(at, label), what }
             })
@@ -477,7 +477,7 @@ impl Robot {
         if let Some(first) = calibrated.first() {
             let many = if calibrated.len() > 1 { format!(" (of {} joints)", calibrated.len()) } else { String::new() };
             let what = format!(
-                "<calibration> states where a reference sensor switches{many}; it is carried along and shifts no joint's \
+                "<calibration> states where a reference sensor switches{many}; it is kept but does not shift the joint's \
                  zero here"
             );
             notes.push(Note::NotUnderstood {

@@ -71,7 +71,7 @@ pub enum Screw {
     },
 }
 
-/// Why six numbers are no screw axis.
+/// Why six numbers are not a screw axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TwistError {
@@ -79,7 +79,7 @@ pub enum TwistError {
     #[error("the twist is zero, so nothing moves; give the joint an axis")]
     Zero,
     /// A number is infinite or not a number.
-    #[error("the twist has a number that is not finite")]
+    #[error("a number of the twist is not finite")]
     NotFinite,
 }
 

@@ -1,8 +1,8 @@
-//! Settings by which a caller says something, as messages of the libraries name them.
+//! The caller's settings, as messages of the libraries name them.
 //!
-//! A library does not know how it is called: what is `--units` on the command line is `units=` in Python and a word in a
-//! document. Its messages are whole sentences in which a setting is in marks, such as `say ‹units› deg`, and whoever shows
-//! them puts in its own form by [`shown`]: only names of [`SETTINGS`] are settings, whatever else a text may hold.
+//! A library does not know its caller: `--units` on the command line is `units=` in Python and a word in a
+//! document. Its messages mark each setting, such as `say ‹units› deg`, and the code that shows
+//! them puts in its own form by [`shown`]. Only names in [`SETTINGS`] count as settings.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! From the tree to a chain: which chains there are, and the screw axes of one of them.
+//! From the tree to a chain: the possible chains, and the screw axes of one of them.
 
 mod assembly;
 mod hand;
@@ -15,10 +15,10 @@ use thiserror::Error;
 /// How the decimal literals of angles are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reading {
-    /// A literal that was surely written for a multiple of π is read as that, with a note.
+    /// A literal that clearly stands for a multiple of π is read as that, with a note.
     #[default]
     Intended,
-    /// Every literal is the number that it is.
+    /// Every literal is read as written.
     AsWritten,
 }
 
@@ -35,7 +35,7 @@ pub struct ChainListing {
     pub links: usize,
 }
 
-/// Why a tree has no such chain.
+/// Why a tree does not have the chain.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TreeError {
@@ -51,7 +51,7 @@ pub enum TreeError {
     },
     /// A joint of a kind that no chain can hold.
     #[error(
-        "{place}: a {word} joint is in the chain; choose ‹base› \"{below}\" to start behind it, or ‹tip› \"{above}\" to end before it"
+        "{place}: a {word} joint is in the chain; choose ‹base› \"{below}\" to start after it, or ‹tip› \"{above}\" to end before it"
     )]
     Unsupported {
         /// The joint.
@@ -83,7 +83,7 @@ pub enum TreeError {
         /// What is wrong.
         why: &'static str,
     },
-    /// The joints make no chain.
+    /// The joints do not form a chain.
     #[error("{file}: {source}")]
     Chain {
         /// The file.
@@ -96,7 +96,7 @@ pub enum TreeError {
 /// What a planar joint's three parts are called, behind its name.
 const PLANAR_PARTS: [&str; 3] = ["_x", "_y", "_yaw"];
 
-/// A step along the way from base to tip: a joint, and whether it is walked from child to parent.
+/// A step on the path from base to tip: a joint, and whether it is passed from child to parent.
 #[derive(Clone, Copy)]
 struct Step {
     joint: usize,
@@ -110,14 +110,14 @@ impl Robot {
         self.leaves().into_iter().map(|leaf| listing(&placed, leaf)).collect()
     }
 
-    /// The chain that is meant when none is named: most coordinates, then most links, then first in the file; an arm that
+    /// The default chain: most coordinates, then most links, then first in the file; an arm that
     /// carries a hand ends at its tool frame or flange, not at a finger.
     pub fn default_chain(&self) -> ChainListing {
         let placed = PlacedRobot::new(self, Reading::AsWritten);
         listing(&placed, default_tip(&placed, None).0)
     }
 
-    /// The chain with the most coordinates, then the most links, then first in the file, a finger's where the arm carries a
+    /// The chain with the most coordinates, then the most links, then first in the file; it ends at a finger where the arm carries a
     /// hand.
     pub fn longest_chain(&self) -> ChainListing {
         let placed = PlacedRobot::new(self, Reading::AsWritten);
@@ -128,7 +128,7 @@ impl Robot {
     ///
     /// Fixed joints are folded in. A mimic joint (also of a mimic joint, also of one outside the chain) is moved by its
     /// driver's coordinate. A turn and a slide of one coordinate along one axis are one helical joint. A planar joint
-    /// stands as two slides and a turn. A chain may run up the tree and down again; joints walked from child to parent
+    /// becomes two prismatic joints and a revolute joint. A chain may run up the tree and down again; joints passed from child to parent
     /// have scale -1. For many chains of one robot: [`PlacedRobot::chain`].
     ///
     /// # Errors
@@ -162,7 +162,7 @@ pub(crate) fn chain(placed: &PlacedRobot, base: Option<&str>, tip: Option<&str>)
     Ok(read)
 }
 
-/// The end of the chain that is meant when no tip is named, and the finger that it is not where a hand is carried.
+/// The tip of the default chain, and, where the arm carries a hand, the finger at which the longest chain would end.
 fn default_tip(placed: &PlacedRobot, base: Option<usize>) -> (usize, Option<usize>) {
     let leaf = base.map_or_else(|| longest_leaf(placed), |base| farthest_below(placed, base));
     let start = base.unwrap_or_else(|| start_below_floating(placed, leaf));
@@ -202,14 +202,14 @@ fn mover(placed: &PlacedRobot, joint: usize) -> usize {
 
 /// The leaf with the most coordinates on the way to it, then the most links, then first in the file.
 fn longest_leaf(placed: &PlacedRobot) -> usize {
-    /// What was counted before a link was entered, to go back to when it is left.
+    /// The counts before a link was entered, restored when it is left.
     enum Visit {
         Enter(usize),
         Leave { counted: Option<usize>, coordinates: usize, links: usize },
     }
     let robot = placed.robot();
     let mut best: Option<((usize, usize), usize)> = None;
-    // How often each joint moves something on the way to here, below the last floating joint: counts of an older
+    // How often each joint moves something on the path to here, below the last floating joint: counts of an older
     // stretch are of another generation.
     let mut uses: Vec<HashMap<usize, usize>> = vec![HashMap::new()];
     let (mut coordinates, mut links) = (0, 1);
@@ -380,7 +380,7 @@ mod tests {
         let error = robot.chain(Some("world"), Some("foot"), Reading::Intended).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "test.urdf:2: joint \"free\": a floating joint is in the chain; choose ‹base› \"body\" to start behind it, \
+            "test.urdf:2: joint \"free\": a floating joint is in the chain; choose ‹base› \"body\" to start after it, \
              or ‹tip› \"world\" to end before it"
         );
     }

@@ -71,7 +71,7 @@ const ANGLES: &[Entry] = &[
     (Unit::Turn, 2.0 * PI, &["rev", "revs", "revolution", "revolutions", "turn", "turns"]),
 ];
 
-/// Strokes behind a number: inches and seconds, feet and minutes.
+/// Prime marks after a number: inches and seconds, feet and minutes.
 const TWO_STROKES: [&str; 5] = ["\"", "''", "″", "”", "′′"];
 const ONE_STROKE: [&str; 3] = ["'", "′", "’"];
 
@@ -111,7 +111,7 @@ impl Unit {
         entries(quantity).iter().find(|(.., words)| words.contains(&word.as_str())).map(|(unit, ..)| *unit)
     }
 
-    /// The unit that a word names, of whichever quantity; strokes stand for two and name none.
+    /// The unit that a word names, of whichever quantity; prime marks are ambiguous and give `None`.
     pub fn of_any(word: &str) -> Option<Self> {
         let of = |quantity| Self::of(word, quantity);
         match (of(Quantity::Length), of(Quantity::Angle)) {

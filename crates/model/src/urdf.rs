@@ -1,6 +1,6 @@
-//! Reading URDF: text to [`Robot`], every problem reported at once, what is surely meant mended with a note.
+//! Reading URDF: text to [`Robot`]; reports all problems at once and repairs clear mistakes with a note.
 //!
-//! Whatever the text holds is understood, carried along as an [`Element`], or reported: see [`Robot::inventory`].
+//! Everything in the text is understood, kept as an [`Element`], or reported: see [`Robot::inventory`].
 
 mod account;
 mod known;
@@ -38,15 +38,15 @@ pub fn vocabulary(path: &[&str]) -> Option<(Vec<&'static str>, Vec<&'static str>
 
 /// Reads a robot from the text of a URDF.
 ///
-/// `file` is used in messages only. Read with a note, since what is meant is sure: a byte order mark, white space
+/// `file` is used only in messages. Read with a note, since the meaning is clear: a byte order mark, white space
 /// before the XML declaration, unbound namespace prefixes, commas between numbers, doubled child elements (the first
 /// counts), a parent link "world" that is not declared. Missing `xyz`, `rpy`, `axis`, mimic `multiplier` and `offset`
 /// take URDF's defaults. Links and joints may stand in a default namespace. `<origin>` states its rotation as `rpy` or, since
 /// URDF 1.1, as `quat_xyzw`, which need not be of length 1.
 ///
 /// An attribute, element or text that is not understood is reported by a note, one for each kind of thing, and in
-/// [`Robot::inventory`], each by its own line. So are closed loops and calibration positions, which are carried along
-/// but act on nothing here.
+/// [`Robot::inventory`], each by its own line. So are closed loops and calibration positions, which are kept
+/// but have no effect here.
 ///
 /// # Errors
 /// Everything that is wrong with the file, each with line and element; see [`ProblemKind`].
@@ -67,7 +67,7 @@ pub fn read(file: &str, text: &str) -> Result<Robot, UrdfError> {
     read_with(file, text, None)
 }
 
-/// As [`read`], of a text that was made of a description in another format.
+/// As [`read`], for a text that was translated from another format.
 pub(crate) fn read_translated(mut source: SourceText) -> Result<Robot, UrdfError> {
     let translation = source.translation.take().map(|translation| *translation);
     read_with(&source.file, &source.text, translation)
@@ -88,7 +88,7 @@ fn read_with(file: &str, text: &str, translation: Option<Translation>) -> Result
     Ok(parts.robot(source, notes, read))
 }
 
-/// The robot of a text that was made of a description in another format, by its links and joints, whose offsets count from
+/// The robot of a text that was translated from another format, from its links and joints, whose offsets count from
 /// `before` on; the text where they make no tree.
 pub(crate) fn of_values(source: SourceText, before: usize, mut loose: Loose) -> Result<Robot, SourceText> {
     for link in &mut loose.links {
@@ -142,7 +142,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// The robot, with all that must be said of its reading.
+    /// The robot, with all notes of its reading.
     fn robot(self, source: SourceText, mut notes: Vec<Note>, mut read: Inventory) -> Robot {
         let Self { name, links, joints, root, elements } = self;
         if let Some(translation) = &source.translation {
@@ -274,7 +274,7 @@ impl Reader<'_> {
         }
         let place = self.source.place(user.joint.at, format!("joint \"{}\"", user.joint.name));
         self.notes
-            .push(Note::Mended { place, what: "parent link \"world\" is not declared; taken as an empty link".into() });
+            .push(Note::Mended { place, what: "parent link \"world\" is not declared; read as an empty link".into() });
         links.push(Link::named("world", user.joint.at));
     }
 
@@ -549,7 +549,11 @@ impl Reader<'_> {
         };
         let length = x.hypot(y).hypot(z.hypot(w));
         if (length - 1.0).abs() > UNIT_QUATERNION {
-            self.mended(origin, owner, format!("quat_xyzw=\"{written}\" has length {length:.4}; made of length 1"));
+            self.mended(
+                origin,
+                owner,
+                format!("quat_xyzw=\"{written}\" has length {length:.4}; normalised to length 1"),
+            );
         }
         Some((se3::written_rpy(&rotation.to_rotation_matrix()), as_written(written)))
     }

@@ -1,7 +1,7 @@
 //! The robot as other Rust programs hold it: `urdf_rs::Robot` in and out (feature `urdf-rs`, on by default).
 //!
 //! `urdf-rs` knows links, joints and materials. What it does not know - transmissions, simulators' settings, screw
-//! joints - is not in what it gives, and stays behind on the way to it.
+//! joints - is missing in robots from it and is lost in robots for it.
 
 use crate::element::{Element, ElementNode};
 use crate::problems::UrdfError;
@@ -11,7 +11,7 @@ use nalgebra::Matrix3;
 use thiserror::Error;
 use urdf_rs::{JointType, Pose, Vec3};
 
-/// Why a robot cannot be had from, or given to, `urdf-rs`.
+/// Why a robot cannot be converted from or to `urdf-rs`.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExchangeError {
@@ -43,7 +43,7 @@ impl Robot {
     /// A robot that another program has read with `urdf-rs`.
     ///
     /// `urdf-rs` gives a link without `inertial` a mass and tensor of 0, and a joint without `limit` limits of 0: these
-    /// are taken as not stated.
+    /// are read as not stated.
     ///
     /// # Errors
     /// It is no tree, or has names twice: `urdf-rs` does not look.

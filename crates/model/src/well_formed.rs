@@ -1,10 +1,10 @@
-//! Bringing text into a form that an XML parser takes, such that the original can be had back.
+//! Converts text to a form that an XML parser accepts and from which the original can be restored.
 
 use crate::formats::{Translation, behind_instruction};
 use crate::notes::{Note, Place};
 use crate::robot::SourceText;
 
-/// Splits off what may not stand before the XML declaration, and declares namespace prefixes that are used unbound.
+/// Splits off what is not allowed before the XML declaration, and declares unbound namespace prefixes.
 ///
 /// Where the text comes from is read from it, or given as `translation`.
 pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translation>) -> (SourceText, Vec<Note>) {
@@ -35,7 +35,10 @@ pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translatio
         let declarations: Vec<String> =
             unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
         let declaration = declarations.concat();
-        mended(source.line(at), format!("namespace prefix {} is not declared; taken as a name", unbound.join(", ")));
+        mended(
+            source.line(at),
+            format!("namespace prefix {} is not declared; read as part of the name", unbound.join(", ")),
+        );
         source.insert(at, &declaration);
         source.declared = at..at + declaration.len();
     }

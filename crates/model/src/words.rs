@@ -40,7 +40,7 @@ pub fn readable(message: &str) -> Cow<'_, str> {
     Cow::Owned(message.lines().map(|line| cut(line, LINE)).collect::<Vec<_>>().join("\n"))
 }
 
-/// Whether a letter ends a line or steers a terminal, somewhere.
+/// Whether a letter ends a line or controls a terminal on some system.
 pub fn is_control(letter: char) -> bool {
     letter.is_control() || matches!(letter, '\u{2028}' | '\u{2029}')
 }
@@ -63,14 +63,14 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escape).collect())
 }
 
-/// What a spreadsheet takes for a formula.
+/// First characters of what a spreadsheet reads as a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(FORMULA)
 }
 
-/// Text for a cell of a CSV file: what a spreadsheet would take for a formula has `'` before it. [`from_cell`] undoes it.
+/// Text for a cell of a CSV file: what a spreadsheet would read as a formula gets a `'` in front. [`from_cell`] undoes it.
 ///
 /// # Examples
 /// ```

@@ -1,6 +1,6 @@
-//! A robot as URDF text: everything that [`Robot`] holds, each number so that it reads back as itself.
+//! A robot as URDF text: everything that [`Robot`] holds, with numbers that read back exactly.
 //!
-//! Where a robot was read from a text that shall stay as it is but for a few places, edit the text instead.
+//! To change only a few places of a robot's text and keep the rest, edit the text instead.
 
 use crate::element::{Element, ElementNode};
 use crate::robot::{Geometry, Inertial, Joint, JointKind, Link, Origin, Robot, Shape};

@@ -168,8 +168,8 @@ fn a_quaternion_is_a_rotation_of_any_length_and_conflicts_with_rpy() {
     for (origin, words) in [
         ("rpy=\"0 0 0\" quat_xyzw=\"0 0 0 1\"", "both rpy=\"0 0 0\" and quat_xyzw=\"0 0 0 1\""),
         ("quat_xyzw=\"0 0 0 0\"", "has length zero"),
-        ("quat_xyzw=\"0 0 1\"", "3 numbers where 4 belong"),
-        ("quat_xyzw=\"0 0 0 x\"", "\"x\" is no finite number"),
+        ("quat_xyzw=\"0 0 1\"", "has 3 numbers instead of 4"),
+        ("quat_xyzw=\"0 0 0 x\"", "\"x\" is not a finite number"),
     ] {
         let error = turned(origin).unwrap_err().to_string();
         assert!(error.contains(words) && error.contains("r.urdf:2: joint \"j\""), "{error}");

@@ -1,4 +1,4 @@
-//! Prints the URDF that an SDF file stands for; `model://NAME` is looked up beside the file's folder.
+//! Prints an SDF file as URDF; `model://NAME` is searched next to the file's folder.
 
 #![allow(clippy::print_stdout)] // A program.
 

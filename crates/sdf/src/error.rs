@@ -49,7 +49,7 @@ pub(crate) enum SdfProblemKind {
         "the joint type \"{0}\" is unknown; SDF knows revolute, continuous, prismatic, screw, fixed, universal, revolute2, ball and gearbox"
     )]
     UnknownType(String),
-    /// A frame that is not there.
+    /// A frame that does not exist.
     #[error("{what} \"{name}\" does not exist in this model{}", did_you_mean(.near.as_deref()))]
     UnknownFrame {
         /// What names it: `parent link`, `relative_to`.
@@ -59,11 +59,11 @@ pub(crate) enum SdfProblemKind {
         /// The nearest name that exists.
         near: Option<String>,
     },
-    /// Frames that are given in each other.
-    #[error("frames are given in each other: {0}; give one of them in a frame that does not depend on it")]
+    /// Frames that depend on each other.
+    #[error("frames depend on each other: {0}; define one of them in a frame that does not depend on it")]
     FrameCycle(String),
     /// The world as a child.
-    #[error("the child of a joint is \"world\"; exchange parent and child")]
+    #[error("the child of a joint is \"world\"; swap parent and child")]
     WorldAsChild,
     /// Parent and child are one link.
     #[error("parent and child are both on link \"{0}\"; a joint needs two links")]
@@ -82,7 +82,7 @@ pub(crate) enum SdfProblemKind {
     #[error("the model {0} includes itself; remove one of the includes")]
     IncludeCycle(String),
     /// Not a number.
-    #[error("<{element}>{value}</{element}>: \"{word}\" is no {wanted}")]
+    #[error("<{element}>{value}</{element}>: \"{word}\" is not a {wanted}")]
     BadNumber {
         /// Tag.
         element: String,
@@ -94,7 +94,7 @@ pub(crate) enum SdfProblemKind {
         wanted: &'static str,
     },
     /// Too few or too many numbers.
-    #[error("<{element}>{value}</{element}>: {found} numbers where {expected} belong")]
+    #[error("<{element}>{value}</{element}> has {found} numbers instead of {expected}")]
     WrongCount {
         /// Tag.
         element: String,
@@ -109,13 +109,13 @@ pub(crate) enum SdfProblemKind {
     #[error("rotation_format=\"{0}\" is unknown; write euler_rpy or quat_xyzw")]
     UnknownRotation(String),
     /// A quaternion of length zero.
-    #[error("the quaternion in <pose>{0}</pose> has length zero; no rotation is \"0 0 0 1\"")]
+    #[error("the quaternion in <pose>{0}</pose> has length zero; for no rotation write \"0 0 0 1\"")]
     ZeroQuaternion(String),
     /// An axis of length zero.
     #[error("the axis <xyz>{0}</xyz> has length zero; give the direction that the joint moves along or about")]
     ZeroAxis(String),
     /// A pitch of zero or beyond all numbers.
-    #[error("<{element}>{value}</{element}> gives no pitch; screw_thread_pitch is m per turn and not 0")]
+    #[error("<{element}>{value}</{element}> is not a valid pitch; write screw_thread_pitch in m per turn, not 0")]
     BadPitch {
         /// Tag.
         element: &'static str,

@@ -1,4 +1,4 @@
-//! The graph of frames: everything that SDF gives a pose has a frame, given in another one.
+//! The graph of frames: everything with a pose in SDF has a frame, defined in another one.
 //!
 //! ```text
 //! world ─► model ─► link, frame, joint, nested model ─► …      each step a pose; `relative_to` chooses the base
@@ -19,7 +19,7 @@ pub(crate) type FrameId = usize;
 /// The world's frame.
 pub(crate) const WORLD: FrameId = 0;
 
-/// A frame: where it is given, and on which body it sits.
+/// A frame: its definition, and its body.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     /// Name within the whole model, such as `gripper::finger`.
@@ -30,7 +30,7 @@ pub(crate) struct Frame {
     pub step: Step,
     /// The frame inside this model that the step places instead of the model's own (`placement_frame`).
     pub places: Option<FrameId>,
-    /// What it is fixed to: itself where it is a link.
+    /// What it is fixed to: itself if it is a link.
     pub body: FrameId,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Frames {
     poses: Vec<Option<Pose>>,
 }
 
-/// Frames that are given in each other, by name.
+/// Frames that depend on each other, by name.
 #[derive(Debug)]
 pub(crate) struct Cycle(pub FrameId, pub String);
 

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// Axes of a gearbox and of the joint that it couples are parallel within this, rad.
 const PARALLEL: f64 = 1e-6;
 
-/// For each joint that a gearbox drives: how it follows the other; and the gearboxes that this says.
+/// For each joint that a gearbox drives: how it follows the other; and the gearboxes that this covers.
 pub(crate) fn couplings<'a>(
     model: &Model<'a>,
     motions: &[Option<Motion>],
@@ -34,7 +34,7 @@ pub(crate) fn couplings<'a>(
             }
             _ => reader.note(
                 joint.part,
-                "the gearbox couples no two joints of its reference body about its axes; it is carried along and couples nothing here",
+                "no two joints of its reference body turn about the gearbox's axes; it is kept but couples nothing here",
             ),
         }
     }

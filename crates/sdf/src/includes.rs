@@ -1,4 +1,4 @@
-//! What an `<include>` names is fetched by the caller: this crate opens no files.
+//! The caller fetches the files of `<include>` elements: this crate opens no files.
 
 /// Gives the text that a URI (`model://pr2`, `package://…`, a relative path) stands for in a file of this name: the name that
 /// messages call it by, and its text; or why there is none.

@@ -14,8 +14,8 @@ const ENTRIES: [(&str, &str); 6] = [("ixx", "1"), ("ixy", "0"), ("ixz", "0"), ("
 /// kg/m³: SDF's default of `density`, that of water.
 const WATER: f64 = 1000.0;
 
-/// URDF's `<inertial>`, and what it stems from. A link of mass and tensor 0 has none. Without `<inertial>`, or in it without
-/// `<mass>` and `<inertia>`, SDF's defaults hold: 1 kg, 1 kg·m² about each axis.
+/// URDF's `<inertial>`, and its source. A link with mass and tensor 0 has none. Without `<inertial>`, or in it without
+/// `<mass>` and `<inertia>`, SDF's defaults apply: 1 kg, 1 kg·m² about each axis.
 pub(crate) fn of_link<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<'a>) -> Option<(Part<'a>, String)> {
     let Some(inertial) = link.part.child("inertial") else {
         reader.defaults.push(link.part);
@@ -28,12 +28,12 @@ pub(crate) fn of_link<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Lin
     let mass = if let Some(part) = inertial.child("mass") {
         value(reader, part)?
     } else {
-        reader.finding("default-inertia", link.part, "its <inertial> has no <mass>, and SDF's default is read: 1 kg");
+        reader.finding("default-inertia", link.part, "its <inertial> has no <mass>; SDF's default of 1 kg is used");
         "1".to_owned()
     };
     let inertia = inertial.child("inertia");
     if inertia.is_none() {
-        let what = "its <inertial> has no <inertia>, and SDF's default is read: 1 kg·m² about each axis";
+        let what = "its <inertial> has no <inertia>; SDF's default of 1 kg·m² about each axis is used";
         reader.finding("default-inertia", link.part, what);
     }
     let mut entries = Vec::new();
@@ -54,7 +54,7 @@ pub(crate) fn say_defaults(reader: &mut Reader) {
     let defaults = std::mem::take(&mut reader.defaults);
     if let Some(first) = defaults.first() {
         let many = if defaults.len() > 1 { format!(" ({} links)", defaults.len()) } else { String::new() };
-        let what = format!("there is no <inertial>{many}; SDF's default is read, 1 kg and 1 kg·m² about each axis");
+        let what = format!("there is no <inertial>{many}; SDF's default of 1 kg and 1 kg·m² about each axis is used");
         reader.finding("default-inertia", *first, what);
     }
 }
@@ -74,7 +74,7 @@ fn element(step: &Step, mass: &str, entries: &[String; 6]) -> String {
     out + "/></inertial>"
 }
 
-/// What the collisions weigh: `<inertial auto="true">` of SDF 1.11.
+/// Mass of the collisions: `<inertial auto="true">` of SDF 1.11.
 fn automatic<'a>(
     reader: &mut Reader<'a>,
     model: &Model<'a>,
@@ -105,14 +105,13 @@ fn automatic<'a>(
             solids.push((volume * own, tensor * own, pose));
         } else {
             let name = shape.node.tag_name().name().to_owned();
-            reader
-                .note(shape, format!("the mass of a <{name}> is not computed here, so that the link has no inertial"));
+            reader.note(shape, format!("the mass of a <{name}> is not computed here, so the link has no inertial"));
             return None;
         }
     }
     let mass: f64 = solids.iter().map(|(mass, ..)| mass).sum();
     if solids.is_empty() || mass <= 0.0 {
-        reader.note(inertial, "there is no collision to compute the mass from, so that the link has no inertial");
+        reader.note(inertial, "there is no collision to compute the mass from, so the link has no inertial");
         return None;
     }
     let centre: Vector3<f64> =

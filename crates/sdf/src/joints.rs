@@ -15,7 +15,7 @@ pub(crate) enum Motion {
     Fixed,
     /// About or along these axes, one after the other.
     Axes(Vec<Axis>),
-    /// Not by itself: it couples two other joints.
+    /// It does not move itself: it couples two other joints.
     Gearbox,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct Axis {
     lead: Option<String>,
 }
 
-/// Bounds from here on are none.
+/// Bounds of this size or more mean no bound.
 ///
 /// # Source
 /// SDF's `axis/limit`: the default of `lower` and `upper` is ∓1e16.
@@ -48,7 +48,7 @@ impl Axis {
         Self { name, kind, direction, xyz: xyz.to_owned(), limit, dynamics, mimic, lead }
     }
 
-    /// What the URDF's joint says of it. Reversed: child and parent are exchanged.
+    /// Its content in the URDF's joint. Reversed: child and parent are swapped.
     pub fn urdf(&self, reversed: bool, coupled: Option<&str>) -> String {
         let xyz = if reversed { numbers(self.direction.map(|part| 0.0 - part).as_slice()) } else { self.xyz.clone() };
         let element =
@@ -64,7 +64,7 @@ impl Axis {
     }
 }
 
-/// How a joint moves; nothing where that is wrong.
+/// How a joint moves; `None` where that is wrong.
 pub(crate) fn motion<'a>(reader: &mut Reader<'a>, model: &Model<'a>, joint: &Joint<'a>) -> Option<Motion> {
     let Some(written) = joint.part.node.attribute("type").map(str::trim).filter(|kind| !kind.is_empty()) else {
         reader.problem(joint.part, Kind::MissingType);
@@ -131,7 +131,7 @@ fn lead<'a>(reader: &mut Reader<'a>, joint: &Joint<'a>) -> Option<String> {
         reader.problem(part, Kind::BadPitch { element, value: text_of(part.node).to_owned() });
         return None;
     }
-    reader.note(joint.part, "the screw joint states no pitch; SDF's default of 1 m per turn is read".to_owned());
+    reader.note(joint.part, "the screw joint states no pitch; SDF's default of 1 m per turn is used".to_owned());
     Some("1".to_owned())
 }
 

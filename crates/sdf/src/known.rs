@@ -1,4 +1,4 @@
-//! What the reader knows of SDF, element by element: what it understands, what it keeps, and what is neither.
+//! What the reader knows about each SDF element: what it understands, what it keeps, and what it does not know.
 
 use denavit_model::problems::nearest_name;
 use roxmltree::Node;
@@ -11,7 +11,7 @@ pub(crate) struct Known {
     pub attributes: &'static [&'static str],
     /// Elements in it that it understands.
     pub children: &'static [&'static Known],
-    /// Elements in it that it keeps whole: they do not say how the robot moves.
+    /// Elements in it that it keeps whole: they do not affect how the robot moves.
     pub carried: &'static [&'static str],
     /// Whether its text is a value.
     pub value: bool,
@@ -61,7 +61,7 @@ static CYLINDER: Known = node("cylinder", &[], &[&RADIUS, &LENGTH], &[]);
 static CAPSULE: Known = node("capsule", &[], &[&RADIUS, &LENGTH], &[]);
 static MESH: Known =
     node("mesh", &["optimization"], &[&URI, &SCALE], &["submesh", "convex_decomposition", "drake:declare_convex"]);
-/// Shapes without a word in URDF are kept with the whole visual or collision.
+/// Shapes that URDF does not have are kept with the whole visual or collision.
 static GEOMETRY: Known = node(
     "geometry",
     &[],
@@ -179,7 +179,7 @@ pub(crate) struct Unknown<'a> {
     pub at: usize,
     /// What it is, with its value.
     pub what: String,
-    /// What becomes of it and what to do.
+    /// What is done with it, and what the user can do.
     pub advice: String,
 }
 
@@ -196,7 +196,7 @@ impl Known {
         self.children.iter().copied().find(|known| known.tag == tag)
     }
 
-    /// Whether something in the element is neither understood nor empty: it is kept beside what is understood.
+    /// Whether something in the element is neither understood nor empty: it is then kept in addition to what is understood.
     pub fn leaves_something(&self, node: Node, text: &str, placed: &[&str]) -> bool {
         node.children().filter(Node::is_element).any(|child| {
             let tag = tag_of(child, text);
@@ -249,7 +249,7 @@ impl Known {
                         |near| format!("did you mean <{near}>?"),
                     );
                     let what = format!("<{tag}> in <{}>", known.tag);
-                    let advice = format!("is not understood: it is kept as it is and changes nothing here; {near}");
+                    let advice = format!("is not understood: it is kept unchanged and has no effect here; {near}");
                     report(Unknown { node: child, at: child.range().start, what, advice });
                 }
             }

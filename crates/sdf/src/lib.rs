@@ -1,9 +1,9 @@
-//! SDFormat: from a model in SDF to URDF text that stands for the same robot, and back.
+//! SDFormat: from a model in SDF to URDF text of the same robot, and back.
 //!
 //! ```text
 //! SDF ─► sources (includes) ─► model (names) ─► frames (poses) ─► tree (what carries what) ─► URDF text ─► Robot ─► SDF
 //! ```
-//! The crate opens no files: what a model includes is fetched by the caller. Lengths are m, angles rad.
+//! The crate opens no files: the caller fetches what a model includes. Lengths are in m, angles in rad.
 
 mod error;
 mod frames;

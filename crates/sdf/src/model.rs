@@ -85,7 +85,7 @@ pub(crate) struct Model<'a> {
     pub links: Vec<Link<'a>>,
     pub joints: Vec<Joint<'a>>,
     pub explicit: Vec<Explicit<'a>>,
-    /// Models and includes, in which more may stand than is understood.
+    /// Models and includes, which may contain more than is understood.
     pub parts: Vec<(Part<'a>, &'static Known)>,
     pub canonical: FrameId,
 }
@@ -93,7 +93,7 @@ pub(crate) struct Model<'a> {
 /// A model in a model.
 struct Nested<'a, 'n> {
     part: Part<'a>,
-    /// What says where it is: the model itself, or what includes it.
+    /// The element that states its pose: the model itself, or the include.
     posed: Part<'a>,
     name: &'n str,
     version: Version,
@@ -101,7 +101,7 @@ struct Nested<'a, 'n> {
     merge: bool,
 }
 
-/// A name that stands for a frame, before all frames are known.
+/// A name of a frame, before all frames are known.
 struct Wanted<'a> {
     part: Part<'a>,
     what: &'static str,
@@ -160,7 +160,7 @@ impl<'a> Reader<'a> {
         self.sources.place(part.file, part.node.range().start, element_of(part.node))
     }
 
-    /// Where something in a link or joint stands, called by that.
+    /// The place of something in a link or joint, named after that link or joint.
     pub fn place_in(&self, part: Part) -> Place {
         let owner =
             part.node.ancestors().find(|above| ["link", "joint", "frame", "model"].contains(&above.tag_name().name()));
@@ -300,7 +300,7 @@ impl<'a> Reader<'a> {
         let tag = part.node.tag_name().name();
         let name = part.node.attribute("name").map_or_else(String::new, |name| format!(" \"{name}\""));
         let place = self.place(part);
-        self.unknown(place, format!("<{tag}> of {of}{name}"), "is no part of the robot and is left out");
+        self.unknown(place, format!("<{tag}> of {of}{name}"), "is not part of the robot and is left out");
     }
 
     fn version(&mut self, root: Part) -> Version {
@@ -453,10 +453,7 @@ impl<'a> Reader<'a> {
             Err(reason) => {
                 let last = uri.trim_end_matches('/').rsplit('/').next().unwrap_or(uri);
                 let name = named.unwrap_or(last);
-                self.note(
-                    part,
-                    format!("the model {uri} was not found ({reason}), so that its links are missing here"),
-                );
+                self.note(part, format!("the model {uri} was not found ({reason}), so its links are missing here"));
                 self.missing.push((format!("{prefix}{name}::"), uri.to_owned(), reason));
                 return;
             }

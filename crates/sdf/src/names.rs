@@ -1,4 +1,4 @@
-//! Names that are taken once.
+//! Unique names.
 
 use std::collections::HashSet;
 

@@ -6,7 +6,7 @@ use denavit_model::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use denavit_model::se3;
 use roxmltree::Node;
 
-/// A pose as it is written, and what it is.
+/// A pose as it is written, and its value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Step {
     /// base_from_frame.
@@ -36,7 +36,7 @@ impl Step {
     }
 }
 
-/// Angles (rad) and components of unit vectors below this are what products of rotations leave of zero.
+/// Angles (rad) and components of unit vectors below this are zero up to the rounding of products of rotations.
 pub(crate) const ROUNDING: f64 = 2e-15;
 /// Lengths are rounded to a decimal of this many places (m) where that changes them by less than [`ROUNDING`] of their size or
 /// of 1 m: a difference of two short decimals is one.

@@ -18,15 +18,15 @@ use denavit_model::well_formed::unbound_prefixes;
 use denavit_model::write::escaped;
 use std::collections::{HashMap, HashSet};
 
-/// Reads an SDF: URDF text that stands for the same robot, with the places of the SDF in it.
+/// Reads an SDF: gives URDF text of the same robot, which holds the places of the SDF.
 ///
-/// `file` is what messages call the text; `fetch` gives what it includes. SDF 1.2 to 1.12 are read, each by its own rules: up
+/// `file` is the name in messages; `fetch` gives what it includes. SDF 1.2 to 1.12 are read, each by its own rules: up
 /// to 1.4 axes are given in the model frame, up to 1.6 where `use_parent_model_frame` says so, later where `expressed_in` says.
 ///
 /// Links keep their frames. What is a graph in SDF becomes a tree: the root is the world where a joint starts there, else the
-/// canonical link; a joint whose way from the root runs against it is turned round; further joints to a link that is carried are
+/// canonical link; a joint that points towards the root is reversed; further joints to a link that is already carried are
 /// kept as closed loops; links that no joint carries float. A joint whose frame is not its child's gets a massless link between;
-/// so do joints of two or three axes. Frames become massless links. What URDF has no words for rides along in `<gazebo>`.
+/// so do joints of two or three axes. Frames become massless links. What URDF cannot state is kept in `<gazebo>`.
 ///
 /// # Errors
 /// Everything that is wrong with the SDF, each with file, line and element.
@@ -79,11 +79,11 @@ struct Translator<'a, 'm> {
     reader: Reader<'a>,
     model: &'m Model<'a>,
     lines: Vec<(Line, String)>,
-    /// What each body is called in the URDF.
+    /// The name of each body in the URDF.
     names: HashMap<FrameId, String>,
     links: HashSet<String>,
     joints: HashSet<String>,
-    /// What rides along is written behind links and joints.
+    /// What is kept is written after links and joints.
     further: Vec<(Line, String)>,
 }
 
@@ -185,7 +185,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         if let Some((part, text)) = inertial {
             self.line(part, format!("    {text}"));
         }
-        // What is not said by the URDF's own elements: of the link, then of each shape.
+        // What the URDF's own elements cannot state: of the link, then of each shape.
         let mut kept: Vec<(Line, String)> = Vec::new();
         for part in link.part.children("visual").chain(link.part.children("collision")) {
             let tag = part.node.tag_name().name();
@@ -256,7 +256,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         }
     }
 
-    /// How a joint moves; nothing where that is wrong.
+    /// How a joint moves; `None` where that is wrong.
     fn motion(&mut self, joint: &Joint<'a>) -> Option<Motion> {
         let frames = &self.model.frames.all;
         let (parent, child) = (frames[joint.parent].body, frames[joint.child].body);
@@ -305,7 +305,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             } else {
                 (explicit.attached_to, format!("{}_frame", model.frames.all[explicit.frame].name))
             };
-            // A frame of a joint or of a model stands for the link that it is fixed to.
+            // A frame of a joint or of a model means the link that it is fixed to.
             let holder = if self.names.contains_key(&holder) { holder } else { model.frames.all[holder].body };
             let step = model.frames.between(holder, explicit.frame);
             let child = self.names[&explicit.frame].clone();
@@ -362,11 +362,12 @@ impl<'a, 'm> Translator<'a, 'm> {
         if axes.len() > 1 {
             let names: Vec<String> = axes.iter().map(|axis| format!("\"{}\"", axis.name)).collect();
             let kind = joint.part.node.attribute("type").unwrap_or_default();
-            let what = format!("a {kind} joint stands here as joints one after the other: {}", names.join(", "));
+            let what = format!("a {kind} joint becomes several joints in series: {}", names.join(", "));
             self.reader.note(joint.part, what);
         }
         if reversed {
-            let what = "the tree runs from its child to its parent here; its axis is reversed, so that its values mean the same";
+            let what =
+                "its parent and child are swapped here; its axis is reversed so that its values keep their meaning";
             self.reader.note(joint.part, what);
         }
         let last = frames.between(joint.frame, far);
@@ -401,7 +402,7 @@ impl<'a, 'm> Translator<'a, 'm> {
         self.gazebo(joint.part, Some(&escaped(&joint.name)), own);
     }
 
-    /// A joint that the tree has no place for, in SDF's words, its pose given in its child's link.
+    /// A joint that does not fit into the tree, as SDF, with its pose in its child's link.
     fn carry_joint(&mut self, joint: &Joint<'a>) {
         let frames = &self.model.frames;
         let body = |frame: FrameId| frames.all[frame].body;
@@ -459,8 +460,7 @@ impl<'a, 'm> Translator<'a, 'm> {
             let joint = fresh(&mut self.joints, &format!("{name}_{kind}"));
             let step = self.model.frames.between(tree.root, *body);
             self.one_joint(part, &joint, kind, &root, &name, &step, "");
-            let moves =
-                if self.model.is_static { "the model is static, so that it is fixed to" } else { "it floats from" };
+            let moves = if self.model.is_static { "the model is static, so it is fixed to" } else { "it floats from" };
             self.reader.note(part, format!("no joint carries the link; {moves} \"{root}\" here"));
         }
     }

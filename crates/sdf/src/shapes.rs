@@ -1,4 +1,4 @@
-//! Visuals and collisions in URDF's words.
+//! Visuals and collisions as URDF.
 
 use crate::error::SdfProblemKind as Kind;
 use crate::joints::within;
@@ -7,7 +7,7 @@ use crate::pose::{number, several, text_of};
 use denavit_model::write::escaped;
 use roxmltree::Node;
 
-/// A visual or collision as URDF says it; nothing where URDF has no word for its shape.
+/// A visual or collision as URDF; `None` where URDF does not have its shape.
 pub(crate) fn shape<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<'a>, part: Part<'a>) -> Option<String> {
     let tag = part.node.tag_name().name();
     let geometry = part.child("geometry");
@@ -43,7 +43,7 @@ pub(crate) fn shape<'a>(reader: &mut Reader<'a>, model: &Model<'a>, link: &Link<
             if name != "empty" {
                 reader.note(
                     shape,
-                    format!("the shape <{name}> of a {tag} has no word here; it is carried along and not drawn"),
+                    format!("the shape <{name}> of a {tag} has no equivalent here; it is kept but not drawn"),
                 );
             }
             return None;
@@ -84,7 +84,7 @@ fn flat(reader: &Reader, part: Part) -> String {
     text.split(['\n', '\r']).map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
-/// A material: its diffuse colour in URDF's words, and everything that it says.
+/// A material: its diffuse colour as URDF, and everything that it states.
 fn coloured<'a>(reader: &Reader<'a>, material: Part<'a>) -> String {
     let diffuse = material.child("diffuse").map(|part| {
         let mut colour: Vec<&str> = text_of(part.node).split_whitespace().collect();

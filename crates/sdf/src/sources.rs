@@ -1,4 +1,4 @@
-//! The texts that a model is made of: the file itself and what it includes.
+//! The texts of a model: the file itself and what it includes.
 
 use crate::error::{SdfProblem, SdfProblemKind};
 use crate::includes::Fetch;
@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// Every text, and which include is which of them.
+/// Every text, and which text each include refers to.
 #[derive(Default)]
 pub(crate) struct Sources {
     pub files: Vec<File>,
@@ -157,7 +157,7 @@ fn well_formed(original: &str) -> (Cow<'_, str>, Vec<(usize, String)>) {
     let root = ["<sdf", "<gazebo", "<model"].iter().find_map(|tag| Some(text.find(tag)? + tag.len()));
     if let (Some(at), false) = (root, unbound.is_empty()) {
         let declared = declarations(&unbound);
-        fixed.push((0, format!("namespace prefix {} is not declared; taken as a name", unbound.join(", "))));
+        fixed.push((0, format!("namespace prefix {} is not declared; read as part of the name", unbound.join(", "))));
         text.to_mut().insert_str(at, &declared);
     }
     (text, fixed)

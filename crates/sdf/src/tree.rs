@@ -1,4 +1,4 @@
-//! From a graph of joints to a tree: what carries what, and what closes loops.
+//! From a graph of joints to a tree: which joints carry links, and which close loops.
 
 use crate::frames::{FrameId, WORLD};
 use std::collections::HashMap;
@@ -15,9 +15,9 @@ pub(crate) struct Edge {
 pub(crate) enum Role {
     /// The parent carries the child.
     Carries,
-    /// The child carries the parent: the way from the root runs against the joint.
+    /// The child carries the parent: the path from the root runs against the joint.
     Reversed,
-    /// Both ends are carried otherwise.
+    /// Both ends are carried by other joints.
     Loop,
 }
 
@@ -26,7 +26,7 @@ pub(crate) enum Role {
 pub(crate) struct Tree {
     /// For each joint.
     pub roles: Vec<Role>,
-    /// The body that everything stands on.
+    /// The root body.
     pub root: FrameId,
     /// Other bodies that no joint carries.
     pub free: Vec<FrameId>,

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// What a link is in the SDF.
+/// How a link is represented in the SDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
     /// The world itself: a massless root of that name.
@@ -31,15 +31,15 @@ pub(crate) enum Part {
     Joint,
 }
 
-/// The robot as SDF 1.11, and what SDF has no words for.
+/// The robot as SDF 1.11, and what SDF cannot state.
 ///
-/// Joints stand in their parent, links in their joint, so that every number of the URDF stands as it is written. A massless link
+/// Poses of joints are relative to their parent, those of links to their joint, so every number stays as written. A massless link
 /// on a fixed joint becomes a frame; other massless links stay links, of mass 0. A screw joint stays one joint. Elements inside
 /// `<gazebo>` go where they belong. Links called `MODEL::LINK` stand in a model of their own where nothing in it names anything
 /// outside.
 ///
 /// # Errors
-/// A joint that SDF cannot say, with its place.
+/// A joint that SDF cannot state, with its place.
 ///
 /// # Examples
 /// ```
@@ -138,7 +138,7 @@ impl Writer<'_> {
         let _ = writeln!(self.out, "{:1$}{text}", "", 2 * (depth + around));
     }
 
-    /// What something is called in the model that is being written.
+    /// The name of something in the model that is being written.
     fn seen(&self, name: &str) -> String {
         let own = if self.scope.is_empty() { None } else { name.strip_prefix(self.scope.as_str()) };
         escaped(own.and_then(|own| own.strip_prefix(SEPARATOR)).unwrap_or(name))
@@ -214,7 +214,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What a pose in a link is given in.
+    /// The reference frame of a pose in a link.
     fn within(&self, link: usize) -> String {
         if self.parts[link] == Part::World { "__model__".to_owned() } else { self.seen(&self.names.links[link]) }
     }
@@ -277,12 +277,12 @@ impl Writer<'_> {
                 self.lose(
                     place,
                     format!("<{word}> of a {tag}"),
-                    "SDF's words for this shape are not known, so that it is left out",
+                    "the SDF form of this shape is not known, so it is left out",
                 );
                 return;
             }
         };
-        // SDF wants a name, each once in a link.
+        // SDF needs a unique name in a link.
         let wanted = match &shape.name {
             Some(name) if !name.is_empty() => name.clone(),
             _ => format!("{}_{tag}", link.name.replace(SEPARATOR, "__")),
@@ -290,7 +290,7 @@ impl Writer<'_> {
         let name = fresh(names, &wanted);
         if shape.name.as_ref() != Some(&name) {
             let what = format!("name of a {tag}");
-            self.lose(place.clone(), what, format!("SDF wants names, each once: it is called \"{name}\" there"));
+            self.lose(place.clone(), what, format!("SDF needs unique names: it is called \"{name}\" there"));
         }
         let mut inside = if origin_is_zero(&shape.origin) { String::new() } else { plain_pose(&shape.origin) };
         let _ = write!(inside, "<geometry>{geometry}</geometry>");
@@ -342,7 +342,7 @@ impl Writer<'_> {
         format!("<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>")
     }
 
-    /// What of a material SDF has no place for.
+    /// What SDF cannot state of a material.
     fn material_losses(&mut self, element: &Element, place: &Place) {
         let own = further::children(element);
         let script = own.iter().any(|child| child.tag() == "script");
@@ -372,20 +372,20 @@ impl Writer<'_> {
             JointKind::Floating => {
                 let root = joint.parent == self.robot.root;
                 let from =
-                    if root { "" } else { "; it stands where it is at joint values 0, and floats from the world" };
+                    if root { "" } else { "; it is placed where it is at joint values 0, and floats in the world" };
                 let what = format!("name of floating joint \"{}\"", joint.name);
-                self.lose(place, what, format!("a link that floats has no joint in SDF{from}"));
+                self.lose(place, what, format!("a floating link has no joint in SDF{from}"));
                 return;
             }
             JointKind::Planar => {
                 self.planar(joint, &name);
-                let why = "SDF has no planar joint: it stands as two slides and a turn";
+                let why = "SDF has no planar joint: it becomes two prismatic joints and a revolute joint";
                 self.lose(place, format!("planar joint \"{}\"", joint.name), why);
                 return;
             }
             JointKind::Unknown(word) if ["ball", "spherical"].contains(&word.as_str()) => "ball",
             JointKind::Unknown(word) => {
-                self.problems.push((place, format!("type \"{word}\" is no joint of SDF; write another type")));
+                self.problems.push((place, format!("type \"{word}\" is not an SDF joint type; write another type")));
                 return;
             }
             other => other.word(),
@@ -466,18 +466,18 @@ impl Writer<'_> {
         out + "</axis>"
     }
 
-    /// What a joint says beyond SDF.
+    /// What a joint states and SDF cannot.
     fn say_losses(&mut self, joint: &Joint, place: &Place) {
         let stated = joint.limits.range.is_some();
         let lost = match joint.kind {
             JointKind::Continuous if stated => {
-                Some(("range of a continuous joint", "it has no effect, and SDF has no place for it"))
+                Some(("range of a continuous joint", "it has no effect, and SDF cannot state it"))
             }
             JointKind::Revolute if !stated => {
-                Some(("revolute joint without a range", "in SDF that is a joint that turns without end"))
+                Some(("revolute joint without a range", "in SDF that joint turns without limits"))
             }
             JointKind::Fixed if stated || joint.axis_written.is_some() || joint.mimic.is_some() => {
-                Some(("axis, limits and mimic of a fixed joint", "they have no effect, and SDF has no place for them"))
+                Some(("axis, limits and mimic of a fixed joint", "they have no effect, and SDF cannot state them"))
             }
             _ => None,
         };
@@ -486,7 +486,7 @@ impl Writer<'_> {
         }
         for (word, value) in [("effort", joint.limits.effort), ("velocity", joint.limits.velocity)] {
             if value == Some(-1.0) && joint.kind.moves() {
-                self.lose(place.clone(), format!("{word} limit of -1"), "SDF takes that as no limit");
+                self.lose(place.clone(), format!("{word} limit of -1"), "SDF reads that as no limit");
             }
         }
         for element in &joint.elements {
@@ -509,7 +509,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Two slides across the axis and a turn about it.
+    /// Two prismatic joints perpendicular to the axis and a revolute joint about it.
     fn planar(&mut self, joint: &Joint, name: &str) {
         let normal = joint.axis.into_inner();
         let (along, across) = across(&normal);

@@ -38,7 +38,7 @@ fn every_mistake_is_said_with_its_place_and_the_fix() {
         ),
         (
             &with_joint("<joint name=\"j\" type=\"fixed\"><parent>base</parent><child>world</child></joint>"),
-            "bad.sdf:3: joint \"j\": the child of a joint is \"world\"; exchange parent and child",
+            "bad.sdf:3: joint \"j\": the child of a joint is \"world\"; swap parent and child",
         ),
         (
             &with_joint("<joint name=\"j\" type=\"fixed\"><parent>arm</parent><child>arm</child></joint>"),
@@ -63,11 +63,11 @@ fn every_mistake_is_said_with_its_place_and_the_fix() {
         ),
         (
             &with_joint(&format!("<joint name=\"j\" type=\"revolute\">{ends}<axis>\n<xyz>0 0</xyz></axis></joint>")),
-            "bad.sdf:4: joint \"j\": <xyz>0 0</xyz>: 2 numbers where 3 belong",
+            "bad.sdf:4: joint \"j\": <xyz>0 0</xyz> has 2 numbers instead of 3",
         ),
         (
             &with_joint(&format!("<joint name=\"j\" type=\"fixed\">{ends}<pose>0 0 x 0 0 0</pose></joint>")),
-            "bad.sdf:3: joint \"j\": <pose>0 0 x 0 0 0</pose>: \"x\" is no finite number",
+            "bad.sdf:3: joint \"j\": <pose>0 0 x 0 0 0</pose>: \"x\" is not a finite number",
         ),
         (
             &with_joint(&format!(
@@ -79,13 +79,13 @@ fn every_mistake_is_said_with_its_place_and_the_fix() {
             &with_joint(&format!(
                 "<joint name=\"j\" type=\"fixed\">{ends}<pose rotation_format=\"quat_xyzw\">0 0 0 0 0 0 0</pose></joint>"
             )),
-            "bad.sdf:3: joint \"j\": the quaternion in <pose>0 0 0 0 0 0 0</pose> has length zero; no rotation is \"0 0 0 1\"",
+            "bad.sdf:3: joint \"j\": the quaternion in <pose>0 0 0 0 0 0 0</pose> has length zero; for no rotation write \"0 0 0 1\"",
         ),
         (
             &with_joint(&format!(
                 "<joint name=\"j\" type=\"fixed\">{ends}<pose degrees=\"yes\">0 0 0 0 0 0</pose></joint>"
             )),
-            "bad.sdf:3: joint \"j\": <pose>0 0 0 0 0 0</pose>: \"yes\" is no truth value; write degrees=\"true\" or \"false\"",
+            "bad.sdf:3: joint \"j\": <pose>0 0 0 0 0 0</pose>: \"yes\" is not a truth value; write degrees=\"true\" or \"false\"",
         ),
         (
             &with_joint(&format!(
@@ -103,17 +103,17 @@ fn every_mistake_is_said_with_its_place_and_the_fix() {
             &with_joint(
                 "<frame name=\"f\"><pose relative_to=\"g\"/></frame><frame name=\"g\"><pose relative_to=\"f\"/></frame>",
             ),
-            "bad.sdf:3: frame \"f\": frames are given in each other: \"g\", \"f\"; give one of them in a frame that does not depend on it",
+            "bad.sdf:3: frame \"f\": frames depend on each other: \"g\", \"f\"; define one of them in a frame that does not depend on it",
         ),
         (
             &with_joint("<frame name=\"f\" attached_to=\"g\"/><frame name=\"g\" attached_to=\"f\"/>"),
-            "bad.sdf:3: frame \"f\": frames are given in each other: \"g\", \"f\"; give one of them in a frame that does not depend on it",
+            "bad.sdf:3: frame \"f\": frames depend on each other: \"g\", \"f\"; define one of them in a frame that does not depend on it",
         ),
         (
             &with_joint(&format!(
                 "<joint name=\"j\" type=\"screw\">{ends}{axis}<screw_thread_pitch>0</screw_thread_pitch></joint>"
             )),
-            "bad.sdf:3: joint \"j\": <screw_thread_pitch>0</screw_thread_pitch> gives no pitch; screw_thread_pitch is m per turn and not 0",
+            "bad.sdf:3: joint \"j\": <screw_thread_pitch>0</screw_thread_pitch> is not a valid pitch; write screw_thread_pitch in m per turn, not 0",
         ),
         (&with_joint("<include/>"), "bad.sdf:3: model \"m\": <uri> is missing; add it"),
         (
@@ -133,11 +133,11 @@ fn every_mistake_is_said_with_its_place_and_the_fix() {
         ),
         (
             &with_joint("<link name=\"x\"><inertial><mass>heavy</mass></inertial></link>"),
-            "bad.sdf:3: link \"x\": <mass>heavy</mass>: \"heavy\" is no finite number",
+            "bad.sdf:3: link \"x\": <mass>heavy</mass>: \"heavy\" is not a finite number",
         ),
         (
             &with_joint("<static>perhaps</static>"),
-            "bad.sdf:3: model \"m\": <static>perhaps</static>: \"perhaps\" is no truth value; write true or false",
+            "bad.sdf:3: model \"m\": <static>perhaps</static>: \"perhaps\" is not a truth value; write true or false",
         ),
     ] {
         let said = message(text);
@@ -171,5 +171,5 @@ fn a_joint_that_sdf_cannot_say_is_refused() {
                 <joint name=\"j\" type=\"spatial\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>";
     let robot = denavit_model::urdf::read("r.urdf", text).unwrap();
     let said = denavit_sdf::write(&robot).unwrap_err().to_string();
-    assert_eq!(said, "r.urdf:2: joint \"j\": type \"spatial\" is no joint of SDF; write another type");
+    assert_eq!(said, "r.urdf:2: joint \"j\": type \"spatial\" is not an SDF joint type; write another type");
 }

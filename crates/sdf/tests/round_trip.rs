@@ -167,7 +167,7 @@ fn an_effort_of_minus_one_is_listed() {
         <limit lower="0" upper="1" effort="-1" velocity="2"/></joint></robot>"#;
     let losses = denavit_sdf::write(&urdf::read("r.urdf", text).unwrap()).unwrap().losses;
     assert!(
-        losses.iter().any(|loss| loss.to_string().contains("effort limit of -1: SDF takes that as no limit")),
+        losses.iter().any(|loss| loss.to_string().contains("effort limit of -1: SDF reads that as no limit")),
         "{losses:?}"
     );
 }

@@ -1,5 +1,5 @@
-//! What acts at one carrier, against a model. A column is what the carrier does to each value times what drives it in the value's row: so
-//! of the carrier's columns only the products within rows count, and these are formed once for all that drives it.
+//! Fast products of all terms at one carrier with a model. A term's column is the carrier's column times the driver's value in each row, so
+//! the carrier's products are formed once within each row and reused for every driver.
 
 use crate::linear::Linear;
 use crate::projector::{Products, Projector};
@@ -10,7 +10,7 @@ use denavit_linear::products::cross_gram;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
-/// A model as products within rows need it.
+/// A model, prepared for products within rows.
 pub(crate) struct ByRow<'a> {
     linear: &'a Linear,
     /// The rows of the data that have values, and those.
@@ -28,7 +28,7 @@ pub(crate) struct ByCarrier<'a> {
     own: Vec<Vec<Vec<f64>>>,
 }
 
-/// What drives the columns of one term: so many values per row of the data.
+/// Driver values of one term: a number of values per row of the data.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Driven<'a> {
     pub(crate) coupling: Coupling,
@@ -36,7 +36,7 @@ pub(crate) struct Driven<'a> {
     pub(crate) values: &'a [f64],
 }
 
-/// The places of what acts at the same carrier, carrier by carrier.
+/// Indices of the terms at the same carrier, carrier by carrier.
 pub(crate) fn alike(carriers: impl Iterator<Item = Carrier>) -> Vec<(Carrier, Vec<usize>)> {
     let mut alike: Vec<(Carrier, Vec<usize>)> = Vec::new();
     for (place, carrier) in carriers.enumerate() {
@@ -60,7 +60,7 @@ impl<'a> ByRow<'a> {
         Self { linear, rows, values, model }
     }
 
-    /// Products with what a carrier does; one that the linearisation does not have does nothing.
+    /// Products with a carrier's columns; a carrier that the linearisation does not have has none.
     pub(crate) fn with(&self, carrier: Carrier) -> ByCarrier<'_> {
         let linear = self.linear;
         let directions = linear.columns_of(carrier).unwrap_or_default();
@@ -169,7 +169,7 @@ impl ByCarrier<'_> {
     }
 }
 
-/// Products of so many columns, in panels, with others, column by column of the latter.
+/// Products of `lines` columns, in panels, with others, column by column of the latter.
 fn along(panels: &[Vec<Line>], columns: &[f64], lines: usize) -> Vec<f64> {
     let rows = panels[0].len();
     let mut result = vec![0.0; lines * columns.len() / rows.max(1)];

@@ -1,5 +1,5 @@
-//! A model without some of its effects, as a part of what the whole can do: only the effects' shares in that are made orthogonal anew, no
-//! column of the data.
+//! A model without some of its effects, computed in the basis of the whole model: only the effects' coordinates in that basis are made
+//! orthogonal again, not the columns of the data.
 
 use crate::projector::{DEPENDENT, Gain, Products, Projector, UNSEEN, gain};
 use denavit_linear::products::cross_gram;
@@ -9,24 +9,24 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 /// Geometry and all effects of a model.
 #[derive(Debug, Clone)]
 pub struct Whole {
-    /// What they can do: geometry first.
+    /// Their basis: geometry first.
     pub projector: Projector,
     /// How many directions geometry has.
     geometry: usize,
-    /// Shares of each effect's column in the basis, column by column.
+    /// Coordinates of each effect's column in the basis, column by column.
     effects: Vec<f64>,
-    /// Those of the residual before anything is taken out of it.
+    /// Those of the residual before projection.
     residual: Vec<f64>,
 }
 
-/// A model without some of its effects, and what it leaves of a residual that is without them, too.
+/// A model without some of its effects, and the residual without them.
 #[derive(Debug, Clone)]
 pub struct Reduced<'a> {
     /// The model with them.
     pub model: &'a Projector,
-    /// What it can do with them alone: directions of length 1 at right angles to one another, shares in its basis, one after the other.
+    /// Orthonormal directions that only these effects span, as coordinates in its basis, one after the other.
     directions: Vec<f64>,
-    /// What is left along each of these without them.
+    /// The residual along each of these without them.
     along: Vec<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Whole {
         Self { geometry: geometry.rank(), effects, residual, projector }
     }
 
-    /// Without these columns of effects, which act with these coefficients in the residual.
+    /// The model without these columns of effects, given with their coefficients in the residual.
     pub fn leaving_out(&self, left_out: &[(usize, f64)]) -> Reduced<'_> {
         let rank = self.projector.rank();
         if left_out.is_empty() || rank == 0 {
@@ -48,7 +48,7 @@ impl Whole {
         let is_left_out = |column: usize| left_out.iter().any(|(other, _)| *other == column);
         let columns = self.effects.len() / rank;
         let (out, kept): (Vec<usize>, Vec<usize>) = (0..columns).partition(|&column| is_left_out(column));
-        // Beyond geometry the effects that stay come first: what the others add to them is theirs alone.
+        // After geometry come the effects that stay: what the others add is theirs alone.
         let mut basis: Vec<Vec<f64>> = Vec::new();
         let mut first = 0;
         for column in kept.iter().chain([&columns]).chain(&out) {
@@ -95,13 +95,12 @@ impl<'a> Reduced<'a> {
         self.model.rank() - self.along.len()
     }
 
-    /// The square of the residual that the model leaves.
+    /// The square of the model's residual.
     pub fn rss(&self) -> f64 {
         self.model.rss + dot(&self.along, &self.along)
     }
 
-    /// What each block of columns explains alone, of which these are the products with the model as it is with all effects; see
-    /// [`Products::gains`].
+    /// What each block of columns explains alone, from its products with the model of all effects; see [`Products::gains`].
     pub fn gains(&self, products: &Products, least: f64) -> Vec<Gain> {
         let (lost, rank) = (self.along.len(), self.model.rank());
         let shares = cross_gram(&self.directions, &products.shares, rank);

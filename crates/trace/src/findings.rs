@@ -1,4 +1,4 @@
-//! What the search says of each effect: its numbers, how sure it is, and what it cannot be told from.
+//! The findings: each effect's numbers, and its partial residuals.
 
 use crate::partial_residuals::PartialResiduals;
 use crate::search::Scored;
@@ -22,7 +22,7 @@ impl Tracer<'_> {
         cells
     }
 
-    /// What the rows say of each effect of a state.
+    /// The partial residuals of each effect of a state.
     pub(crate) fn all_partial_residuals(&self, state: &State) -> Vec<PartialResiduals> {
         if state.chosen.is_empty() {
             return Vec::new();

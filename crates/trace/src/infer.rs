@@ -1,12 +1,12 @@
-//! Error curves of joints: geometry, frames and a smooth error of each joint's own reading fitted together, judged by the
-//! marginal likelihood.
+//! The linear Gaussian model of a run: geometry, frames, a smooth error curve of each joint's reading and effects, fitted together
+//! and scored by the marginal likelihood.
 //!
 //! ```text
 //! y = G η + F φ + Σ_j C_j w_j + Σ_e A_e β_e + ε
 //! ```
-//! [`model`] says what each block of columns is and how large its numbers are expected to be, [`evidence`] scores a model,
-//! [`maximum`] finds the few numbers that the score leaves free, [`curves`] fits, [`contest`] compares sets of effects,
-//! [`named`] says which of them are sure enough to be named, and `predictor` which of the others a prediction holds.
+//! [`model`] describes each block of columns and its prior, [`evidence`] scores a model, [`maximum`] finds the hyperparameters,
+//! [`curves`] fits, [`contest`] compares sets of effects, [`named`] decides which of them are named, and `predictor` which others
+//! are included for the prediction.
 
 pub mod contest;
 pub mod curves;

@@ -1,11 +1,11 @@
-//! Trace the residual of a geometric fit to the effects that the model lacks.
+//! Trace the residual of a geometric fit to effects that the model lacks.
 //!
 //! ```text
-//! geometric fit ─► error curves of all joints ─► a search step by step proposes ─► sets of effects are judged beside curves
-//! and structure without a name ─► what is sure, and found again on resampled runs, is named ─► all refitted together
+//! geometric fit ─► error curves of all joints ─► a stepwise search proposes candidates ─► sets of candidates are scored, with curves
+//! and unexplained structure in the model ─► causes that are probable, and selected in half-sample refits, are named ─► all refitted
 //! ```
-//! No candidate sees a measured value. All of them are tested against geometry at the same state of the model. For denavit's own crates:
-//! what is in it changes without notice; the names that stay are those at the root of `denavit-calibrate`.
+//! Candidates do not depend on measured values. All are tested against geometry at the same state of the model. This crate is for
+//! denavit's other crates and changes without notice; the stable names are those at the root of `denavit-calibrate`.
 
 pub mod infer;
 
@@ -41,24 +41,24 @@ use serde::Serialize;
 use std::sync::Arc;
 pub use unexplained::{Structure, UnexplainedStructure};
 
-/// What the tracer may look for, and how sure it must be.
+/// Options of the tracer: what to search for, and the level of confidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraceOptions {
     /// How the model is refitted.
     pub identify: IdentifyOptions,
     /// Kinds to look for; empty: all.
     pub kinds: Vec<Kind>,
-    /// No more effects than this; without it as many as the evidence selects.
+    /// Largest number of effects; `None`: as many as the evidence selects.
     pub max_effects: Option<usize>,
     /// Motor turns per joint turn, joint by joint, where known.
     pub gear_ratios: Vec<Option<f64>>,
-    /// Share of clean files in which an effect may be claimed.
+    /// Accepted share of clean files in which an effect is claimed (false alarm rate).
     pub false_claims: f64,
     /// How error curves are sought beside them.
     pub curves: CurveOptions,
     /// Mass of all links from the first joint on, kg, where the description has none and it is known.
     pub total_mass: Option<f64>,
-    /// What an earlier calibration knows: it acts in every row, and effects are looked for beside it.
+    /// Effects known from an earlier calibration: they act in every row, and further effects are searched for.
     pub earlier: Option<Arc<EffectModel>>,
 }
 
@@ -91,7 +91,7 @@ pub struct Value {
     pub unit: String,
 }
 
-/// An effect that the data ask for: named, or one of several that the data cannot tell apart.
+/// An effect that the data support: named, or one of several that the data cannot distinguish.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The term.
@@ -104,26 +104,26 @@ pub struct Finding {
     pub named: bool,
     /// Posterior probability that this kind acts at this place.
     pub probability: f64,
-    /// Share of resampled runs that find it.
+    /// Share of half-sample refits that select it.
     pub found_again: f64,
-    /// Probability that it does not act: what is left of the posterior mass.
+    /// Posterior probability that it does not act.
     pub p_value: f64,
     /// Twice the logarithm of the odds of the best set with it against the best without it.
     pub delta_bic: f64,
-    /// Kinds and places that may act in its stead, the most probable first.
+    /// Alternative kinds and places, the most probable first.
     pub rivals: Vec<Alternative>,
-    /// What the rows say of it.
+    /// Its partial residuals, row by row.
     pub partial_residuals: PartialResiduals,
 }
 
 impl Finding {
-    /// Whether it is there for the prediction alone: neither it nor its rivals are likely, for structure that has no name and so
-    /// predicts nothing accounts for what they explain.
+    /// Whether it is included for the prediction alone: neither it nor its rivals are likely, because unexplained structure, which
+    /// predicts nothing, explains as much.
     pub fn stands_in(&self) -> bool {
         !likely(self.probability, &self.rivals)
     }
 
-    /// Whether it is sure but for the structure that is left beside it, which has no name and weighs more.
+    /// Whether it would be certain, but the remaining unexplained structure is larger.
     pub fn is_outweighed(&self) -> bool {
         !self.named && sure(self.probability, self.found_again)
     }
@@ -150,11 +150,11 @@ pub struct ScanCell {
 pub struct Trace {
     /// Geometry, effects and error curves, fitted together.
     pub fit: Fit<EffectModel>,
-    /// For each of its curves by how much it raises the logarithm of the marginal likelihood.
+    /// For each curve, its increase of the log marginal likelihood.
     pub curve_gains: Vec<f64>,
-    /// The same for what joints give under gravity beside them: the last effects of the fit, of which no finding speaks.
+    /// The same for deflections of joints under gravity: the last effects of the fit, which are not among the findings.
     pub deflections: Vec<f64>,
-    /// How its curves are unsure.
+    /// Uncertainty of its curves.
     pub modes: CurveModes,
     /// Geometry and effects without curves.
     pub plain: Fit<EffectModel>,
@@ -166,9 +166,9 @@ pub struct Trace {
     pub candidates: usize,
     /// The first pass: the best candidate of each kind at each place.
     pub scan: Vec<ScanCell>,
-    /// What no entry explains.
+    /// Structure that no effect of the catalogue explains.
     pub unexplained: UnexplainedStructure,
-    /// The sets of causes that are left possible, where they are more than one.
+    /// The sets of causes that remain possible, if more than one.
     pub open: Option<Arc<Open>>,
 }
 

@@ -1,4 +1,4 @@
-//! The model at its fitted state, linearised and in units of the noise: what every candidate is tested against.
+//! The model linearised at its fitted state, in units of the noise: every candidate is tested against it.
 
 use crate::projector::Projector;
 use denavit_identify::arm::{Arm, Perturbation, Row};
@@ -16,8 +16,8 @@ use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
 use std::sync::OnceLock;
 
-/// Geometry is given this many times its tolerances while candidates are tested: an effect is what geometry of any
-/// sensible size cannot do.
+/// Geometry gets this multiple of its tolerances while candidates are tested: an effect is what geometry of any
+/// reasonable size cannot explain.
 const RELAXED: f64 = 10.0;
 
 /// Residual and derivatives in units of the noise; rows of the relaxed prior and of the
@@ -30,7 +30,7 @@ pub struct Linear {
     pub geometry: DMatrix<f64>,
     /// Columns of the model's effects, coefficient by coefficient.
     pub effects: DMatrix<f64>,
-    /// Columns of the carriers' directions, each driven by 1.
+    /// Columns of the carriers' directions, for a driver of 1.
     pub carriers: DMatrix<f64>,
     /// Which columns belong to which carrier.
     pub places: Vec<(Carrier, std::ops::Range<usize>)>,
@@ -43,7 +43,7 @@ pub struct Linear {
     /// Effects and arm about which it was linearised.
     at: (EffectModel, Arm),
     postures: OnceLock<Vec<Posture>>,
-    /// What geometry can do: formed once for all that is tested beside it.
+    /// The basis of geometry, formed once for all tests.
     loose: OnceLock<Projector>,
 }
 
@@ -67,8 +67,8 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     // With the prior's inverse covariance P = L Lᵀ, its rows are Lᵀ · perturbation.
     let prior = symmetric::lower(&layout.prior.precision, 0.0).transpose();
     let priors = prior.nrows();
-    // The common frame is held as in a fit: to first order an effect does not move along with its axis, so what in truth
-    // changes no measured value would stand in for it.
+    // The common frame is held as in a fit: to first order an effect does not move along with its axis, so a common motion,
+    // which in truth changes no measured value, would replace it.
     let held =
         if layout.joints.is_empty() { DMatrix::zeros(columns, 0) } else { gauge::conditions(&layout, reference) };
     let lengths = layout.known_lengths(&data.scene, &fit.arm);
@@ -129,7 +129,7 @@ pub fn linearise(data: &Measurements, fit: &Fit<EffectModel>, reference: &Arm, c
     result
 }
 
-/// Some rows of a fit, in units of the noise: what is kept of them, value by value.
+/// Some rows of a fit, in units of the noise, value by value.
 struct Stretch {
     residual: Vec<f64>,
     /// Derivatives by all parameters, value by value.
@@ -183,18 +183,18 @@ fn stretch<E: Effects>(
 }
 
 impl Linear {
-    /// The arm in every row of the data that it was linearised on, as the model has it give way.
+    /// The arm in every row of the linearised data, with the model's deflections.
     pub fn postures(&self, data: &Measurements) -> &[Posture] {
         let (model, arm) = &self.at;
         get_or_make(&self.postures, || postures(model, arm, data)).as_slice()
     }
 
-    /// Values measured and kept.
+    /// Measured values that were not rejected.
     pub fn values(&self) -> usize {
         self.rows.len()
     }
 
-    /// What geometry can do, far beyond its tolerances.
+    /// The basis of geometry far beyond its tolerances.
     pub fn loose(&self) -> &Projector {
         self.loose.get_or_init(|| Projector::new(&[&self.geometry], &self.residual))
     }
@@ -205,7 +205,7 @@ impl Linear {
     }
 }
 
-/// The arm in every row of the data, as the model has it give way.
+/// The arm in every row of the data, with the model's deflections.
 pub fn postures(model: &EffectModel, arm: &Arm, data: &Measurements) -> Vec<Posture> {
     let start = || (model.standing(arm), Perturbation::none(arm.joints.len()));
     let stretches = in_stretches(data.len(), start, |(standing, perturbation), rows| {

@@ -1,15 +1,15 @@
-//! Loads that nobody declared: runs whose tip carried different masses.
+//! Undeclared loads: runs whose tip carried different masses.
 //!
 //! The residual of the geometric fit, in units of the noise,
 //!
 //! ```text
 //! r = J b + W w + Σ_s [row of run s] Σ_j (C_j + m_s D_j) c_j + e
-//! J  geometry, instrument, targets        W  smooth errors of joints and play, which a run that goes elsewhere could take for a load
-//! C  how joint j gives under the weight of the links, for 1 rad/(N m)        D  the same under 1 kg at the tip
+//! J  geometry, instrument, targets        W  smooth errors of joints and play, which runs in different regions could confuse with a load
+//! C  deflection of joint j under the weight of the links, for 1 rad/(N m)        D  the same under 1 kg at the tip
 //! ```
-//! b and w are projected out, the softnesses c solved for, the masses m found by search; the lightest run is taken to carry nothing. All of it
-//! needs no more than the products of the columns. A load is claimed where it lowers the sum of squares by a twentieth and by more than chance does,
-//! in either half of the postures, and by joints that give the way they are loaded.
+//! b and w are projected out, the compliances c solved for, the masses m found by search; the lightest run is assumed to carry nothing.
+//! Only the products of the columns are needed. A load is claimed if it lowers the sum of squares by a twentieth and by more than chance
+//! does, in either half of the postures, and by joints that deflect in the direction of their load.
 
 use crate::linear::{Linear, linearise};
 use crate::projected::{Projected, RowProducts, fit_with};
@@ -27,28 +27,28 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Runs of which loads are asked: the search takes each in turn.
+/// Largest number of runs: the search takes each in turn.
 const MOST_RUNS: usize = 12;
-/// Heaviest load that is looked for, kg: more than the arms that are calibrated lift, but for a few.
+/// Heaviest load that is searched for, kg: few calibrated arms lift more.
 const HEAVIEST: f64 = 50.0;
 /// Masses that the search tries for each run before it refines the best.
 const TRIED: usize = 50;
-/// Rounds over all runs, at most; what a round must gain for another one, in chi squared.
+/// Largest number of rounds over all runs; smallest gain of a round that is followed by another, in chi squared.
 const ROUNDS: usize = 40;
 const GAINED: f64 = 1e-6;
-/// Chance of so much in runs that carry alike.
+/// Probability of such a gain by chance in runs with equal loads.
 const CHANCE: f64 = 1e-6;
-/// Share of what is left without loads that they must explain. A machine may have errors that no catalogue has, and they follow gravity, too:
-/// the lifting column of Hilti's JaiBot, whose runs carried alike, has 1 % of this kind, far above chance.
+/// Share of the residual without loads that loads must explain. A machine may have errors outside the catalogue that follow gravity, too:
+/// the lifting column of Hilti's JaiBot, whose runs had equal loads, has 1 % of this kind, far above chance.
 const EXPLAINED: f64 = 0.05;
-/// Of the square of what loads do, this share must come from joints that give the way they are loaded.
+/// This share of the squared effect of loads must come from joints that deflect in the direction of their load.
 const GIVES: f64 = 0.9;
-/// In either half of the postures a load must be this many standard deviations from none.
+/// In either half of the postures a load must be this many standard deviations above 0.
 const IN_HALVES: f64 = 2.0;
 /// Step of the second derivatives, of each mass, kg.
 const STEP: f64 = 1e-3;
 
-/// A load at the tip that a run's file does not tell.
+/// A load at the tip that a run's file does not record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UndeclaredLoad {
     /// The run's setup.
@@ -64,7 +64,7 @@ pub struct UndeclaredLoad {
 pub struct UndeclaredLoads {
     /// Setup by setup.
     pub runs: Vec<UndeclaredLoad>,
-    /// Whether the masses of links are those of the drawing; else they are assumed, and loads are as true as they are.
+    /// Whether the masses of links are those of the drawing; else they are assumed, and loads scale with them.
     pub masses_from_inertials: bool,
 }
 
@@ -99,8 +99,8 @@ impl UndeclaredLoads {
             " (the masses of links are assumed, as the description has none, and loads scale with them)"
         };
         format!(
-            "the setups carry different loads at the tip, which no column tells: beside setup {lightest} {}{assumed}; the rows are used with \
-             them; put what was carried into a column \"payload\" (kg)",
+            "the setups carry different loads at the tip, which no column records: relative to setup {lightest} {}{assumed}; the rows are used \
+             with these loads; write the loads into a column \"payload\" (kg)",
             listed.join(", ")
         )
     }
@@ -110,7 +110,7 @@ fn setup_of(data: &Measurements, row: usize) -> Option<usize> {
     data.of_row(row).next().map(|observation| data.series_of(observation).setup)
 }
 
-/// The loads by which runs differ; `None` where they do not, as far as the rows tell, or where a column says what is carried.
+/// The loads by which runs differ; `None` if the rows show no difference, or if a column records the loads.
 pub fn undeclared_loads(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>) -> Option<UndeclaredLoads> {
     let runs = data.scene.setups.len();
     let planes = (0..runs).any(|setup| data.scene.has_plane(setup));
@@ -160,7 +160,7 @@ pub(super) fn of_joint(kind: Kind, joint: usize, driver: Driver) -> Term {
     Term { kind, carrier: Carrier::Joint(joint), driver, coupling: Coupling::Each }
 }
 
-/// Errors of joints that follow where they stand, and play: two harmonics of each joint, and its side.
+/// Errors of joints that follow their readings, and play: two harmonics of each joint, and its side.
 pub(super) fn smooth(survey: &Survey) -> Vec<Term> {
     let waves = survey.moving().flat_map(|joint| {
         [1.0, 2.0].map(|order| of_joint(Kind::TransmissionError, joint, Driver::Harmonic { joint, order }))
@@ -174,14 +174,13 @@ fn columns(statics: &Statics, data: &Measurements, geometric: &Fit<NoEffects>, t
     linearise(data, &fit_with(statics, geometric, terms), &geometric.arm, &[])
 }
 
-/// Products of what is left of the columns and of the residual: of the softnesses under the links' weight first, then of run after run under
-/// 1 kg.
+/// Products of the projected columns and residual: first of the compliances under the links' weight, then run after run under 1 kg.
 struct Products {
     gram: DMatrix<f64>,
     along: DVector<f64>,
     square: f64,
     joints: usize,
-    /// Values, less the directions that are projected out.
+    /// Number of values, less the directions that are projected out.
     freedom: usize,
 }
 
@@ -230,7 +229,7 @@ impl Problem {
 }
 
 impl Products {
-    /// Products of the columns of softnesses where runs carry these masses, and with the residual.
+    /// Products of the compliances' columns with these masses of the runs, and with the residual.
     fn under(&self, loads: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         let joints = self.joints;
         let mut mix = DMatrix::zeros(self.along.len(), joints);
@@ -240,26 +239,26 @@ impl Products {
         (mix.transpose() * &self.gram * &mix, mix.transpose() * &self.along)
     }
 
-    /// The softnesses where runs carry these masses.
+    /// The compliances with these masses of the runs.
     fn softness(&self, loads: &[f64]) -> Option<(DVector<f64>, DVector<f64>)> {
         let (mut gram, along) = self.under(loads);
-        // A joint that the rows do not show is held at no softness.
+        // A joint that the rows do not determine is held at no compliance.
         let most = gram.diagonal().amax().max(f64::MIN_POSITIVE);
         (0..self.joints).for_each(|joint| gram[(joint, joint)] += 1e-9 * most);
         // Columns are those of measured minus predicted.
         Some((-gram.cholesky()?.solve(&along), along))
     }
 
-    /// The sum of squares that is left where runs carry these masses.
+    /// The sum of squared residuals with these masses of the runs.
     fn squares(&self, loads: &[f64]) -> Option<f64> {
         let (softness, along) = self.softness(loads)?;
         Some(self.square + along.dot(&softness))
     }
 
-    /// The masses of the runs that leave least, the lightest 0.
+    /// The masses of the runs with the least residual, the lightest 0.
     fn loads(&self, runs: usize) -> Option<Vec<f64>> {
         let mut lightest = 0;
-        // What is lighter than the run that is taken to be the lightest is itself the lightest.
+        // A run that is lighter than the assumed lightest run is itself the lightest.
         for _ in 0..runs {
             let found = self.searched(runs, lightest, -HEAVIEST)?;
             let next = (0..runs).min_by(|&a, &b| found[a].total_cmp(&found[b]))?;
@@ -271,7 +270,7 @@ impl Products {
         self.searched(runs, lightest, 0.0)
     }
 
-    /// The same beside a run that carries nothing, each other run in turn: of many masses from `least` on the best, refined by thirds.
+    /// The same with one run that carries nothing, each other run in turn: the best of many masses from `least` on, refined by thirds.
     fn searched(&self, runs: usize, lightest: usize, least: f64) -> Option<Vec<f64>> {
         let mut loads = vec![0.0; runs];
         let mut best = self.squares(&loads)?;
@@ -336,7 +335,7 @@ impl Products {
         Some(std)
     }
 
-    /// Of the square of what loads do, the share of joints that give the way they are loaded.
+    /// The share of the squared effect of loads from joints that deflect in the direction of their load.
     fn gives(&self, loads: &[f64]) -> Option<f64> {
         let (softness, _) = self.softness(loads)?;
         let joints = self.joints;

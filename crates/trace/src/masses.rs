@@ -1,4 +1,4 @@
-//! Masses of links that the description does not have: unknowns that all compliances of a robot share.
+//! Masses of links that the description does not give: unknowns that all compliances of a robot share.
 //!
 //! The residual of the geometric fit, in units of the noise,
 //!
@@ -6,14 +6,14 @@
 //! r = J b + W w + Σ_s c_s Σ_k (m_k C_sk + m_k Δ_k · D_sk) + e
 //! J  geometry, instrument, targets        W  smooth errors of joints and play
 //! c  compliances: of each joint about its axis, and of its bearing across it
-//! C  what c_s = 1 does under 1 kg of link k at its assumed centre        D  the same under its first moments, 1 kg m
+//! C  effect of c_s = 1 under 1 kg of link k at its assumed centre        D  the same under its first moments, 1 kg m
 //! m, Δ  mass and shift of the centre of each link
 //! ```
-//! b and w are projected out; c, ln m and Δ are found by Gauss-Newton steps on the products of the columns. The priors of m and Δ are the
-//! assumed rods (`Masses::stand_in`); that of c has one variance about the axes and one across them, found from
-//! the data (expectation maximisation). Only the products m·c are seen, so the total mass is held: at the data sheet's, or at the rods'.
-//! The masses are used where, found in either half of the postures, they predict the other half better than the rods do, together by very
-//! strong evidence (Kass, Raftery 1995).
+//! b and w are projected out; c, ln m and Δ are found by Gauss-Newton steps on the products of the columns. The priors of m and Δ come
+//! from rods, the assumed links (`Masses::stand_in`); the prior of c has one variance about the axes and one across them, found from
+//! the data (expectation maximisation). Only the products m·c are identifiable, so the total mass is fixed: at the data sheet's or at
+//! that of the rods. The masses are used if those found in either half of the postures predict the other half better than the rods do,
+//! with very strong evidence in total (Kass, Raftery 1995).
 
 use crate::linear::{Linear, linearise};
 use crate::loads::{of_joint, smooth};
@@ -43,16 +43,16 @@ const ALONG_A_LINK: f64 = 0.288_675_134_594_812_9;
 const TOTAL: f64 = 0.01;
 /// Unknowns of a link: its mass and three first moments.
 const UNITS: usize = 4;
-/// Standard deviation of what a joint gives under the largest moment, rad, at most: ten tolerances of geometry.
+/// Largest standard deviation of a joint's deflection under the largest moment, rad: ten tolerances of geometry.
 const GIVES: f64 = 1e-2;
 /// Twice the logarithm of the odds from which evidence is very strong (Kass, Raftery 1995).
 const VERY_STRONG: f64 = 10.0;
-/// Steps, at most; what a step must gain for another one, in chi squared.
+/// Largest number of steps; smallest gain of a step that is followed by another, in chi squared.
 const STEPS: usize = 60;
 const GAINED: f64 = 1e-3;
-/// A step that does not gain is halved this often.
+/// A step without a gain is halved up to this many times.
 const HALVINGS: i32 = 12;
-/// Rows that are looked at, at most: some ninety numbers need no more.
+/// Largest number of rows used: some ninety parameters need no more.
 const ROWS: usize = 2000;
 
 /// The mass of one link, as fitted.
@@ -64,7 +64,7 @@ pub struct LinkMass {
     pub kg: f64,
     /// Standard deviation, kg, the total mass taken as known.
     pub std: f64,
-    /// What is assumed without data, kg.
+    /// The assumed mass without data, kg.
     pub assumed_kg: f64,
     /// Its centre, base frame with all joints at zero, m.
     pub centre: [f64; 3],
@@ -77,9 +77,9 @@ pub struct LinkMasses {
     pub links: Vec<LinkMass>,
     /// Together, kg.
     pub total_kg: f64,
-    /// Whether the total was given; else it is assumed, and the compliances are as true as it is.
+    /// Whether the total was given; else it is assumed, and the compliances scale with it.
     pub total_given: bool,
-    /// Share of what the rods leave, in postures that the masses were not found on, that the masses explain.
+    /// Share of the rods' squared residual that the masses explain, in postures that were not used to find them.
     pub explains: f64,
 }
 
@@ -105,15 +105,15 @@ impl LinkMasses {
             )
         };
         format!(
-            "the description has no masses; those of {} links were fitted, which explains {:.0} % of what rods leave in other postures \
-             ({total})",
+            "the description has no masses; those of {} links were fitted, which explains {:.0} % of the error that assumed rods leave \
+             in other postures ({total})",
             self.links.len(),
             100.0 * self.explains
         )
     }
 }
 
-/// Masses of the links as the rows tell them; `None` where the description has masses, or where fitted ones predict no better than rods.
+/// Masses of the links, fitted to the rows; `None` if the description has masses, or if fitted ones predict no better than rods.
 ///
 /// `total_given`: whether the rods have the true total mass ([`Statics::of_total`]).
 pub fn link_masses(
@@ -199,7 +199,7 @@ fn compliances(survey: &Survey) -> Vec<Term> {
     about.chain(across).collect()
 }
 
-/// What is expected of the masses.
+/// Priors of the masses.
 struct Prior {
     /// kg.
     masses: Vec<f64>,
@@ -207,7 +207,7 @@ struct Prior {
     centre: f64,
     /// kg.
     total: f64,
-    /// Variance of compliances, at most.
+    /// Largest variance of compliances.
     largest: f64,
 }
 
@@ -238,14 +238,14 @@ impl Prior {
     }
 }
 
-/// What one column is of: a compliance, and a unit of a link (its mass or a first moment) or the payload.
+/// Meaning of a column: a compliance, and a unit of a link (its mass or a first moment) or the payload.
 #[derive(Clone, Copy)]
 struct Place {
     compliance: usize,
     unit: Option<usize>,
 }
 
-/// What 1 of each compliance does under 1 of each unit, outside what is projected out.
+/// Effect of a unit of each compliance under a unit of each load, after projection.
 struct Columns {
     places: Vec<Place>,
     projected: Projected,
@@ -373,7 +373,7 @@ struct Products<'a> {
     of_rows: RowProducts,
 }
 
-/// Half the slope of the cost, and half its curvature (Gauss-Newton), in compliances and the links' numbers, but for the prior of the
+/// Half the gradient of the cost, and half its curvature (Gauss-Newton), in compliances and the links' numbers, without the prior of the
 /// compliances, whose variances change while the state does not.
 struct Normal {
     slope: DVector<f64>,
@@ -381,7 +381,7 @@ struct Normal {
 }
 
 impl Products<'_> {
-    /// Values, less the share of the directions that are projected out.
+    /// Number of values, less the share of the directions that are projected out.
     fn freedom(&self) -> usize {
         let (values, projected) = (self.of_rows.values, &self.columns.projected);
         values.saturating_sub(projected.rank * values / projected.rows().max(1))
@@ -411,7 +411,7 @@ impl Products<'_> {
         (taken, slopes)
     }
 
-    /// The sum of squares that a state leaves.
+    /// The sum of squared residuals of a state.
     fn squares(&self, prior: &Prior, state: &State) -> f64 {
         let (taken, _) = self.taken(prior, state);
         self.of_rows.square + 2.0 * self.of_rows.along.dot(&taken) + taken.dot(&(&self.of_rows.gram * &taken))
@@ -421,7 +421,7 @@ impl Products<'_> {
         1.0 / state.variances[usize::from(self.columns.across[compliance])]
     }
 
-    /// With what the priors add.
+    /// With the penalties of the priors.
     fn cost(&self, prior: &Prior, state: &State) -> f64 {
         let compliances =
             state.compliances.iter().enumerate().map(|(k, c)| c * c * self.precision(state, k)).sum::<f64>();
@@ -442,7 +442,7 @@ impl Products<'_> {
         Normal { slope, curvature }
     }
 
-    /// Half the slope of the cost in the first numbers, and the inverse of half its curvature there.
+    /// Half the gradient of the cost in the first numbers, and the inverse of half its curvature there.
     fn step(
         &self,
         Normal { slope, curvature }: &Normal,
@@ -533,7 +533,7 @@ impl Products<'_> {
     }
 }
 
-/// Inverse of a positive definite matrix whose numbers have units of their own.
+/// Inverse of a positive definite matrix whose rows have different units.
 fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = matrix.diagonal().map(|cell| 1.0 / cell.max(f64::MIN_POSITIVE).sqrt());
     let scaled = |matrix: &DMatrix<f64>| matrix.map_with_location(|i, j, cell| cell * scale[i] * scale[j]);

@@ -1,4 +1,4 @@
-//! An effect as its rows show it: the residual along its direction against what drives it, before, with, and after.
+//! Partial residuals of an effect: the residual along its direction against its driver, before, with and after the effect.
 
 use crate::linear::Linear;
 use crate::search::CandidateScorer;
@@ -8,40 +8,40 @@ use denavit_identify::effects::driver::{Driver, Side};
 use denavit_identify::effects::model::Coupling;
 use serde::Serialize;
 
-/// Rows that feel the direction less than this share of what the best row feels say too little to be drawn.
+/// Rows less sensitive to the direction than this fraction of the most sensitive row are not drawn.
 const FEELS: f64 = 0.3;
 
-/// What one row says of an effect.
+/// An effect in one row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PartialResidual {
-    /// Value of what drives the effect, in [`PartialResiduals::abscissa`]'s unit.
+    /// Value of the driver, in [`PartialResiduals::abscissa`]'s unit.
     pub driver: f64,
     /// The residual of geometry alone along the effect's direction.
     pub before: Option<f64>,
-    /// Partial residual: what is left by all but this effect.
+    /// Partial residual: the residual of the model without this effect.
     pub partial: f64,
-    /// What the effect does.
+    /// The effect's contribution.
     pub model: f64,
-    /// What is left with it.
+    /// The residual with it.
     pub after: f64,
 }
 
 /// An effect, row by row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartialResiduals {
-    /// What drives it, with its unit.
+    /// The driver, with its unit.
     pub abscissa: String,
-    /// What the ordinates are, with their unit: SI, or units of the noise.
+    /// The ordinates, with their unit: SI, or units of the noise.
     pub ordinate: String,
     /// Rows, in run order.
     pub points: Vec<PartialResidual>,
 }
 
-/// One number per row and direction that an effect acts in: what it does there, and with which column.
+/// One direction of an effect: its contribution per row, and its column.
 struct Along {
     /// Column over the values of a linear state, one per unit of `amount`.
     column: Vec<f64>,
-    /// By data row: what the effect does along it.
+    /// By data row: the effect's contribution along it.
     amount: Vec<f64>,
 }
 
@@ -79,17 +79,17 @@ impl Tracer<'_> {
         let place = candidate.term.carrier.place(&self.statics.chain);
         let unit = candidate.term.carrier.unit(&self.statics.chain, direction);
         let (abscissa, ordinate) = if candidate.term.coupling == Coupling::Paired {
-            ("what the effect does, in units of the noise".into(), "residual, in units of the noise".into())
+            ("the effect's contribution, in units of the noise".into(), "residual, in units of the noise".into())
         } else {
             let words = candidate.term.carrier.direction_name(direction).replace('_', " ");
-            let does = || format!("what the effect does, {unit}");
+            let does = || format!("the effect's contribution, {unit}");
             let ordinate = format!("{place} {words}, {unit}").replace(" ,", ",");
             (driver.map_or_else(does, |(abscissa, _)| abscissa), ordinate)
         };
         PartialResiduals { abscissa, ordinate, points }
     }
 
-    /// What drives an effect as one number per row, with its name and unit; none where that is several.
+    /// The driver as one number per row, with its name and unit; `None` if it has several numbers.
     fn abscissa(&self, candidate: &Candidate, values: &[f64], count: usize) -> Option<(String, Vec<f64>)> {
         if candidate.term.coupling == Coupling::Paired {
             return None;
@@ -129,7 +129,7 @@ impl Tracer<'_> {
     }
 }
 
-/// The direction of the carrier in which the effect does most.
+/// The direction of the carrier in which the effect is largest.
 fn strongest(linear: &Linear, candidate: &Candidate, coefficients: &[f64], values: &[f64], count: usize) -> usize {
     let Some(carrier) = linear.columns_of(candidate.term.carrier) else { return 0 };
     if candidate.term.coupling == Coupling::Paired {
@@ -161,7 +161,7 @@ fn along(
         let amount = |row: usize| dot(&coefficients[strongest * count..], &values[row * count..(row + 1) * count]);
         return Along { column, amount: (0..rows).map(amount).collect() };
     }
-    // All directions move together: along what they do in each row, in units of the noise.
+    // All directions move together: along their common effect in each row, in units of the noise.
     let mut column: Vec<f64> = linear
         .rows
         .iter()
@@ -184,7 +184,7 @@ fn along(
     Along { column, amount }
 }
 
-/// By data row: the residual along a column, and how strongly the row feels it. `None`: the row has no kept value.
+/// By data row: the residual along a column, and the row's sensitivity to it. `None`: all values of the row were rejected.
 fn projected(linear: &Linear, along: &Along, rows: usize) -> Vec<Option<(f64, f64)>> {
     let mut sums: Vec<(f64, f64)> = vec![(0.0, 0.0); rows];
     for ((row, cell), left) in linear.rows.iter().zip(&along.column).zip(linear.residual.iter()) {

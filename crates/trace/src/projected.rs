@@ -1,4 +1,4 @@
-//! Columns about the geometric fit, outside what geometry and other terms can do, and their products in all rows or in half of the postures.
+//! Columns at the geometric fit, with geometry and other terms projected out, and their products in all rows or in half of the postures.
 
 use crate::linear::Linear;
 use crate::projector::Projector;
@@ -18,7 +18,7 @@ pub(super) fn fit_with(statics: &Statics, geometric: &Fit<NoEffects>, terms: &[T
     fit
 }
 
-/// What a projector leaves of columns and of the residual.
+/// Columns and residual after projection.
 pub(super) struct Projected {
     /// Column by column.
     cells: Vec<f64>,

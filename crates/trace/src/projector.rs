@@ -1,4 +1,4 @@
-//! Taking out of a column what the model can already do, and asking what the rest explains.
+//! Projects out of a column what the model can already represent, and tests what the rest explains.
 
 use denavit_linear::panel::{Line, PANEL, lines_of};
 use denavit_linear::products::{cross_gram, gram_of, subtract, subtract_each};
@@ -6,16 +6,16 @@ use denavit_linear::triangle::dot;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 
-/// A column of the model that is this nearly a sum of others adds nothing.
+/// A column of the model with less than this share outside the others is linearly dependent.
 pub(super) const DEPENDENT: f64 = 1e-9;
-/// A column of length 1 of which more than this is left needs no second pass.
+/// A unit column with more than this share left needs no second pass of orthogonalisation.
 const ENOUGH: f64 = 0.1;
-/// Of a column that is cut down to less than this what was taken out is taken out once more.
+/// A column reduced to less than this share is orthogonalised once more.
 const SMALL: f64 = 1e-3;
-/// A column of which the model leaves less than this share cannot be seen: claiming it would be guessing.
+/// A column with less than this share outside the model is not identifiable and must not be claimed.
 pub const UNSEEN: f64 = 3e-3;
 
-/// An orthonormal basis of what the model can do, and the residual that it leaves.
+/// An orthonormal basis of the model's columns, and the residual outside it.
 #[derive(Debug, Clone)]
 pub struct Projector {
     basis: DMatrix<f64>,
@@ -31,7 +31,7 @@ pub struct Projector {
 pub struct Gain {
     /// How much the sum of squares falls.
     pub drop: f64,
-    /// How many of the block's directions can be seen.
+    /// How many of the block's directions are identifiable.
     pub rank: usize,
 }
 
@@ -43,7 +43,7 @@ impl Projector {
         none.beside(parts, residual)
     }
 
-    /// The basis with these columns beside it, and what both leave of a residual.
+    /// The basis extended by these columns, and the residual outside it.
     #[must_use]
     pub fn beside(&self, parts: &[&DMatrix<f64>], residual: &DVector<f64>) -> Self {
         let rows = residual.len();
@@ -77,7 +77,7 @@ impl Projector {
         self.panels.get_or_init(panels)
     }
 
-    /// An orthonormal basis of what the model can do, column by column.
+    /// An orthonormal basis of the model's columns, column by column.
     pub(super) fn basis(&self) -> &[f64] {
         self.basis.as_slice()
     }
@@ -88,14 +88,14 @@ impl Projector {
     }
 }
 
-/// Takes out of a column what lies along each of these of length 1.
+/// Subtracts from a column its components along each of these unit columns.
 fn take_out(basis: &[f64], column: &mut [f64]) {
     let shares = cross_gram(basis, column, column.len());
     subtract(basis, &shares, column);
 }
 
-/// Adds what these columns of `rows` cells do beyond an orthonormal basis: out of all of them what the basis can do is taken first, twice where
-/// rounding asks for it, then out of each what those before it can.
+/// Extends an orthonormal basis by these columns of `rows` cells: the basis is projected out of all of them first, twice where rounding
+/// requires it, then the columns before out of each.
 fn extend(basis: &mut Vec<f64>, mut columns: Vec<f64>, rows: usize) {
     let known = basis.len();
     for column in columns.chunks_exact_mut(rows) {
@@ -131,8 +131,8 @@ fn norm_of(column: &[f64]) -> f64 {
     dot(column, column).sqrt()
 }
 
-/// Products of blocks of columns with all that a model can do and with what it leaves. They tell what each block explains beside the model,
-/// and beside any part of it ([`super::without`]), without a look at the columns: what is left of C is CᵀC - (BᵀC)ᵀ(BᵀC), B the basis.
+/// Products of blocks of columns with a model's basis B and with its residual. They give what each block C explains beyond the model, or
+/// beyond a part of it ([`super::without`]), without the columns: outside the basis, CᵀC becomes CᵀC - (BᵀC)ᵀ(BᵀC).
 #[derive(Debug, Clone, Default)]
 pub struct Products {
     /// How many columns each block has.
@@ -188,7 +188,7 @@ impl Products {
         all
     }
 
-    /// Of each block's columns what the model leaves of their products with one another, block by block.
+    /// Products of each block's columns with one another after projection, block by block.
     pub(super) fn left(&self) -> &[f64] {
         let rank = self.shares.len() / self.along.len().max(1);
         let left = || {
@@ -204,8 +204,8 @@ impl Products {
         self.left.get_or_init(left)
     }
 
-    /// What each block explains alone. A column of which less than the share `least` is left, beside the model and the columns of its block
-    /// before it, counts as nothing.
+    /// What each block explains alone. A column with less than the share `least` outside the model and the block's earlier columns counts as
+    /// nothing.
     pub fn gains(&self, least: f64) -> Vec<Gain> {
         let (mut first, mut before) = (0, 0);
         let block_gain = |&count: &usize| {
@@ -217,10 +217,10 @@ impl Products {
     }
 }
 
-/// Columns made orthogonal one after the other by their products alone.
+/// Gram-Schmidt orthogonalisation of columns from their products alone.
 ///
 /// # Shape and units
-/// `raw`: products of the columns, square; `left`: what the model leaves of them; `along`: with the residual.
+/// `raw`: products of the columns, square; `left`: the same after projection; `along`: with the residual.
 pub(super) fn gain(raw: &[f64], mut left: Vec<f64>, mut along: Vec<f64>, least: f64) -> Gain {
     let count = along.len();
     let mut gain = Gain { drop: 0.0, rank: 0 };

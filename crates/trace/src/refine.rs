@@ -1,4 +1,4 @@
-//! The numbers inside a driver (order, place, width, time constant) that a scan only brackets.
+//! Refines the nonlinear parameters of a driver (order, place, width, time constant), which a scan only brackets.
 
 use crate::by_carrier::{ByCarrier, ByRow};
 use crate::downdate::Reduced;
@@ -8,21 +8,21 @@ use denavit_identify::effects::driver::{BumpShape, Driver};
 use denavit_identify::effects::survey::Survey;
 use denavit_measurements::Column;
 
-/// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what noise lets one tell.
+/// Halvings of a bracket: 2⁻²⁰ of a scan's step is far below what is detectable in noise.
 const HALVINGS: usize = 16;
 /// Scanned numbers of a bump: place and width.
 const BUMP_NUMBERS: usize = 2;
-/// How much better another outline of a bump must do.
+/// How much better another shape of a bump must be.
 const OUTLINE: f64 = 6.0;
-/// Places that are tried of a function that goes in steps.
+/// Places that are tried for a piecewise constant function.
 const PLACES: i32 = 24;
-/// Halvings between two of them, to where the step is.
+/// Halvings between two of them, to find the step.
 const HALVINGS_OF_A_STEP: usize = 8;
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
 impl CandidateScorer<'_> {
-    /// The candidate with its scanned numbers where it explains most, scored.
+    /// The candidate with the scanned numbers at which it explains most, scored.
     pub fn refined(&self, model: &Reduced<'_>, survey: &Survey, candidate: &Candidate) -> Scored {
         let by_row = ByRow::new(self.linear, model.model);
         let here = by_row.with(candidate.term.carrier);
@@ -66,7 +66,7 @@ impl CandidateScorer<'_> {
                     moved(&mut at, &mut width, other, 0.5);
                     score(bump(at, width, other), BUMP_NUMBERS)
                 });
-                // The outline counts as no number: only one that does clearly better is another.
+                // The shape is not counted as a parameter: only a clearly better one replaces it.
                 others.fold(own, |best, other| if other.delta_bic > best.delta_bic + OUTLINE { other } else { best })
             }
             Driver::HardeningTorque { joint, knee } => {
@@ -95,7 +95,7 @@ impl CandidateScorer<'_> {
                 let with =
                     |at: &[f64]| score(Driver::Steps { covariate: covariate.clone(), at: at.to_vec() }, at.len());
                 let mut best = with(&at);
-                // A step that stood for one elsewhere goes once that is there.
+                // A step that replaced one elsewhere is dropped once that one is found.
                 while at.len() > 1 {
                     let fewer = (0..at.len()).map(|out| [&at[..out], &at[out + 1..]].concat());
                     let tried = fewer.map(|at| (with(&at), at)).max_by(|a, b| a.0.delta_bic.total_cmp(&b.0.delta_bic));
@@ -110,7 +110,7 @@ impl CandidateScorer<'_> {
         }
     }
 
-    /// Where step `k` explains most: among the places within a stretch of the run around it.
+    /// The place at which step `k` explains most, within a stretch of the run around it.
     fn best_place(
         &self,
         (carrier, model): (&ByCarrier<'_>, &Reduced<'_>),
@@ -141,7 +141,7 @@ impl CandidateScorer<'_> {
     }
 }
 
-/// Where a function of one peak is highest between two ends, by golden section.
+/// The maximum of a unimodal function in an interval, by golden section.
 fn highest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
@@ -160,7 +160,7 @@ fn highest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Where a function that goes in steps is highest: the middle of the stretch between its steps.
+/// The maximum of a piecewise constant function: the middle of its highest piece.
 fn best_stretch(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let step = (high - low) / f64::from(PLACES);
     let tried: Vec<(f64, f64)> = (0..=PLACES).map(|k| low + step * f64::from(k)).map(|at| (at, f(at))).collect();

@@ -1,4 +1,4 @@
-//! One pass over every candidate at one state of the model.
+//! One pass that scores every candidate at one state of the model.
 
 use crate::ScanCell;
 use crate::by_carrier::{ByCarrier, ByRow, Driven, alike};
@@ -28,7 +28,7 @@ pub struct Scored {
     pub candidate: Candidate,
     /// What it explains.
     pub gain: Gain,
-    /// How much the Bayesian information criterion falls when it is added: positive speaks for it.
+    /// Decrease of the Bayesian information criterion when it is added: positive favours it.
     pub delta_bic: f64,
     /// Degrees of freedom and sum of squares before, and the numbers that it uses.
     free: f64,
@@ -37,7 +37,7 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// By how much the criterion falls, less the handicap of its kind.
+    /// The decrease of the criterion, less the handicap of its kind.
     pub fn worth(&self) -> f64 {
         self.delta_bic - handicap(self.candidate.term.kind)
     }
@@ -59,7 +59,7 @@ pub struct CandidateScorer<'a> {
     pub linear: &'a Linear,
 }
 
-/// A model linearised at a state, with what each candidate of the catalogue does there: made once, for all that is asked of the state.
+/// A model linearised at a state, with the products of each candidate there; computed once and reused.
 #[derive(Debug)]
 pub(crate) struct Linearised {
     pub(crate) linear: Linear,
@@ -88,7 +88,7 @@ impl Tracer<'_> {
         self.scan(&self.scored(&state, &self.linearised(&state).loose().leaving_out(&[])))
     }
 
-    /// Scores every candidate of the catalogue, in its order, beside loose geometry and all or some of a state's effects.
+    /// Scores every candidate of the catalogue, in its order, against loose geometry and all or some of a state's effects.
     pub(crate) fn scored(&self, state: &State, model: &Reduced<'_>) -> Vec<Scored> {
         let at = self.linearised(state);
         let scorer = self.scorer(&at.linear);
@@ -98,7 +98,7 @@ impl Tracer<'_> {
     }
 }
 
-/// What drives each candidate, row by row, wherever the arm stands; nothing where that hangs on how it stands.
+/// Driver values of each candidate, row by row; empty if they depend on the posture.
 pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candidate]) -> Vec<Vec<f64>> {
     let nowhere = Posture::default();
     let of = |candidate: &Candidate| {
@@ -167,8 +167,8 @@ impl CandidateScorer<'_> {
         candidates.iter().zip(in_order).map(|(candidate, gain)| self.judged(model, candidate, gain)).collect()
     }
 
-    /// Products of the candidates' columns with a model; `driven`: what drives them, row by row, as far as that is known. In the second place
-    /// the candidate that each block is of.
+    /// Products of the candidates' columns with a model, and the candidate of each block; `driven`: driver values row by row, as far as they
+    /// are known.
     fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> (Products, Vec<usize>) {
         let alike = alike(candidates.iter().map(|candidate| candidate.term.carrier));
         let by_row = ByRow::new(self.linear, model);
@@ -192,14 +192,14 @@ impl CandidateScorer<'_> {
         (Products::joined(products), alike.into_iter().flat_map(|(_, own)| own).collect())
     }
 
-    /// What a term explains beside a model or a part of it; with the whole of it the carrier was multiplied.
+    /// What a term explains beyond a model or a part of it; the carrier's products are with the whole model.
     pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, model: &Reduced<'_>, term: &Term) -> Gain {
         let values = self.driver_values(term);
         let driven = Driven { coupling: term.coupling, per_row: term.driver.len(self.statics), values: &values };
         model.gains(&carrier.products(&[driven]), UNSEEN)[0]
     }
 
-    /// What an effect of the model explains when it is put back.
+    /// What an effect of the model explains when it is added back.
     pub fn own(&self, model: &Reduced<'_>, candidate: &Candidate) -> Scored {
         self.judged(model, candidate, model.gain_of(&self.columns(&candidate.term)))
     }
@@ -213,10 +213,10 @@ impl CandidateScorer<'_> {
     }
 }
 
-/// What a kind must do better than another that looks alike: odds of twelve to one for the cause that is met more often.
+/// Handicap of a kind against a similar one: odds of twelve to one for the more frequent cause.
 ///
-/// A joint is softer than a link or a bearing; a slide's scale is off more often than an instrument's; a target is moved on the tip more
-/// often than its range errs.
+/// A joint is softer than a link or a bearing; a slide's scale is wrong more often than an instrument's; a target is moved on the tip more
+/// often than a range is wrong.
 pub(crate) fn handicap(kind: Kind) -> f64 {
     match kind {
         Kind::LinkCompliance | Kind::InstrumentScale | Kind::TargetIncidence => 5.0,
@@ -224,7 +224,7 @@ pub(crate) fn handicap(kind: Kind) -> f64 {
     }
 }
 
-/// How much the information criterion falls: m ln(RSS before/after) - k ln m.
+/// Decrease of the information criterion: m ln(RSS before/after) - k ln m.
 fn delta_bic(values: f64, rss: f64, gain: Gain, used: usize) -> f64 {
     if gain.rank == 0 {
         return f64::NEG_INFINITY;
@@ -233,7 +233,7 @@ fn delta_bic(values: f64, rss: f64, gain: Gain, used: usize) -> f64 {
     values * (rss / after).ln() - used as f64 * values.ln()
 }
 
-/// F-test of a gain with `used` numbers, where `free` degrees of freedom were left before.
+/// F-test of a gain with `used` parameters and `free` degrees of freedom before.
 pub fn p_value(free: f64, rss: f64, gain: Gain, used: usize) -> f64 {
     let left = free - used as f64;
     if gain.rank == 0 || left < 1.0 {
@@ -244,7 +244,7 @@ pub fn p_value(free: f64, rss: f64, gain: Gain, used: usize) -> f64 {
     FisherSnedecor::new(used as f64, left).map_or(1.0, |distribution| distribution.sf(f))
 }
 
-/// The best candidates, so many at most: of each kind at each place the best one, none of what `but` is and where.
+/// The best candidates, up to a number: the best one of each kind at each place, except the kind and place of `but`.
 pub(crate) fn leaders<'s>(scored: &'s [Scored], most: usize, but: Option<&Candidate>) -> Vec<&'s Candidate> {
     let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
     let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();

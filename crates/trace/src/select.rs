@@ -1,4 +1,5 @@
-//! The search that proposes: add the best, refit, and say what comes near. What acts is said by the judgement.
+//! The stepwise search that proposes candidates: add the best, refit, and list its close rivals. Which of them act is decided later, by
+//! the comparison of sets (`infer`).
 
 use crate::downdate::Reduced;
 use crate::linear::{Linear, linearise};
@@ -22,26 +23,27 @@ use std::sync::{Arc, OnceLock};
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
 const LEAST_DELTA_BIC: f64 = 10.0;
-/// Scanned numbers that explain no more than this (χ²) beyond those at hand are the same.
+/// New scanned numbers that explain less than this (χ²) beyond the present ones count as the same.
 const SAME_DROP: f64 = 0.1;
-/// No effect of a machine leaves this much in each measured component, m: only a joint that counts another joint's angle with its own.
+/// A larger residual per measured component, m, is no effect of a machine: only a joint whose reading includes another joint's angle
+/// leaves as much.
 const FAR_OFF: f64 = 0.02;
-/// An effect that explains less than this share of what the present one does is no contender.
+/// An effect that explains less than this share of what the present one does is not a rival.
 const CONTENDS: f64 = 0.7;
-/// So many contenders of each effect are proposed.
+/// Number of rivals of each effect that are proposed.
 const NEAREST: usize = 3;
 /// How many of the best candidates of a pass have their scanned numbers refined.
 const REFINED: usize = 6;
-/// So many of the best that could still be added are proposed.
+/// Number of further candidates that are proposed, the best that could still be added.
 const PROPOSED: usize = 24;
 /// χ² that the last step of a fit may promise: far less than what an effect must gain.
 const PROMISE_AT_END: f64 = 1e-2;
-/// So many effects may hide behind rejected rows.
+/// Largest number of effects found through rejected rows.
 const MOST_LOCAL: usize = 3;
-/// Effects that the search takes step by step: with what comes near them and could be added there are candidates enough. How many act says the
-/// judgement.
+/// Largest number of effects that the search adds: with their rivals and further candidates these are enough. The comparison of sets
+/// decides how many act.
 const STEPPED: usize = 8;
-/// Pull of a rejected row that comes back, in units of the noise.
+/// Bound on the influence of a rejected row that is restored, in units of the noise.
 const BOUNDED: f64 = 4.0;
 
 /// The search and what it works with.
@@ -54,7 +56,7 @@ pub struct Tracer<'a> {
     pub(crate) candidates: Vec<Candidate>,
     /// What drives each of them, see [`driven`].
     driven: OnceLock<Vec<Vec<f64>>>,
-    /// What may be left that no entry explains.
+    /// Blocks of functions for unexplained structure.
     blocks: OnceLock<Vec<Block>>,
     carriers: Vec<Carrier>,
 }
@@ -64,11 +66,11 @@ pub struct Tracer<'a> {
 pub struct State {
     pub(crate) chosen: Vec<Candidate>,
     pub(crate) fit: Fit<EffectModel>,
-    /// What was asked of the model there.
+    /// Results that were computed there.
     at: Arc<OnceLock<Linearised>>,
 }
 
-/// What the search puts before the judge.
+/// What the search proposes for the comparison of sets.
 pub struct Proposals {
     /// The terms.
     pub(crate) candidates: Vec<Candidate>,
@@ -124,8 +126,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The terms that are worth being judged: a search step by step, from geometry alone. `some`: the rows that it looks at and the fit there, if
-    /// they are not all. These show what there is to be found, but not to the last digit where it is.
+    /// The candidates for the comparison of sets: a stepwise search, from geometry alone. `some`: the rows that it uses and the fit there, if
+    /// they are not all. These rows show which effects there are, but their scanned numbers only roughly.
     pub(crate) fn proposals(&self, some: Option<(&Measurements, &Fit<NoEffects>)>) -> Proposals {
         let Proposals { mut candidates, state: found, scan } = match some {
             Some((data, geometric)) => self.on(data, geometric).searched(),
@@ -148,14 +150,14 @@ impl<'a> Tracer<'a> {
         Proposals { candidates, state, scan }
     }
 
-    /// A state with its scanned numbers where all rows say that they are, those that it takes for outliers as well, if that is elsewhere: a step
-    /// that stands on the wrong side of some rows makes outliers of them, and none of the others say so.
+    /// A state with scanned numbers from all rows, rejected ones included; `None` if they do not change. A step on the wrong side of some rows
+    /// makes outliers of them, and the other rows do not show that.
     fn moved(&self, state: &State) -> Option<State> {
         let moved = self.rescanned(self.opened(state));
         (!same_terms(&moved.chosen, &state.chosen)).then(|| self.refitted(moved.chosen.clone(), Some(&moved)))
     }
 
-    /// The same on some of the rows: what may be looked for is what all of them let one ask.
+    /// The same on some of the rows, with the candidates that all rows allow.
     fn on<'b>(&'b self, data: &'b Measurements, geometric: &'b Fit<NoEffects>) -> Tracer<'b> {
         Tracer {
             data,
@@ -175,12 +177,12 @@ impl<'a> Tracer<'a> {
         get_or_make(&self.driven, || driven(self.data, self.statics, &self.candidates)).as_slice()
     }
 
-    /// Functions of one or two variables that what no entry explains is written as.
+    /// Functions of one or two variables that represent unexplained structure.
     pub(crate) fn blocks(&self) -> &[Block] {
         self.blocks.get_or_init(|| unexplained::blocks(self))
     }
 
-    /// A search step by step, from geometry alone.
+    /// A stepwise search, from geometry alone.
     fn searched(&self) -> Proposals {
         let bare = self.refitted(Vec::new(), None);
         let mut state = bare.clone();
@@ -204,7 +206,7 @@ impl<'a> Tracer<'a> {
         Proposals { candidates, state, scan }
     }
 
-    /// What the data ask for first beside a state, if they do.
+    /// The candidate that the data support most at a state, if any.
     fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
@@ -219,7 +221,7 @@ impl<'a> Tracer<'a> {
         self.best(&scorer, &model, &scored).map(|best| best.candidate)
     }
 
-    /// Whether a model leaves so much that readings must mean something else than angles from link to link: any cause would be found in that.
+    /// Whether the residual is so large that readings must mean something else than angles between links: every cause would then be found.
     fn far_off(&self, state: &State) -> bool {
         let in_metres = self.data.scene.series.iter().all(|series| {
             [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].contains(&series.kind)
@@ -227,7 +229,7 @@ impl<'a> Tracer<'a> {
         in_metres && state.fit.noise.first() > FAR_OFF
     }
 
-    /// Adds the terms of a state, those that come near each of them, and the best that could still be added.
+    /// Adds the terms of a state, the rivals of each, and the best that could still be added.
     fn propose(&self, state: &State, proposed: &mut Vec<Candidate>) {
         let mut add = |candidate: Candidate| {
             if !proposed.iter().any(|known| known.term == candidate.term) {
@@ -263,9 +265,9 @@ impl<'a> Tracer<'a> {
         State::new(chosen, fit)
     }
 
-    /// An effect that makes rows of the model that the robust fit took for outliers.
+    /// An effect that explains rows which the robust fit rejected as outliers.
     ///
-    /// Rejected rows come back with the weight that keeps their pull bounded; what is found there counts only if the
+    /// Rejected rows are restored with weights that bound their influence; an effect found with them counts only if the
     /// robust fit then keeps at least half of them.
     fn local(&self, state: &State) -> Option<State> {
         let before = rejected(&state.fit);
@@ -279,12 +281,12 @@ impl<'a> Tracer<'a> {
         let scored = self.scored(&open, &model);
         let best = self.best(&scorer, &model, &scored)?;
         let next = self.rescanned(self.added(state, &best.candidate));
-        // Rows that the place as first scanned left out may come back.
+        // Rows that were rejected at the first scanned place may be restored.
         let next = self.refitted(next.chosen.clone(), Some(&next));
         (rejected(&next.fit) * 2 <= before).then_some(next)
     }
 
-    /// A state with the rows that were rejected back, their pull bounded.
+    /// A state with rejected rows restored, their influence bounded.
     fn opened(&self, state: &State) -> State {
         let mut open = State::new(state.chosen.clone(), state.fit.clone());
         for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
@@ -304,8 +306,8 @@ impl<'a> Tracer<'a> {
         get_or_make(&state.at, || Linearised::new(linear()))
     }
 
-    /// Loose geometry and all effects of a state but those of these indices, and the residual that this would leave: all that finding scanned
-    /// numbers takes.
+    /// Loose geometry and all effects of a state except these indices, and the residual of that model: what the search for scanned numbers
+    /// needs.
     pub(crate) fn loosely_without<'b>(&self, state: &'b State, left_out: &[usize]) -> Reduced<'b> {
         self.linearised(state).loose().leaving_out(&state.columns_of(left_out))
     }
@@ -314,7 +316,7 @@ impl<'a> Tracer<'a> {
         CandidateScorer { data: self.data, statics: self.statics, linear }
     }
 
-    /// The best candidate of a pass, the leaders' scanned numbers refined.
+    /// The best candidate of a pass, after refinement of the leaders' scanned numbers.
     fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Scored> {
         let leaders = leaders(scored, REFINED, None);
         let leaders = in_parallel(&leaders, |leader| scorer.refined(model, &self.survey, leader));
@@ -338,7 +340,7 @@ impl<'a> Tracer<'a> {
         self.refitted(chosen, Some(state))
     }
 
-    /// Refines every scanned number with all else in the model.
+    /// Refines every scanned number, with everything else in the model.
     fn rescanned(&self, state: State) -> State {
         if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
             return state;
@@ -365,12 +367,12 @@ impl<'a> Tracer<'a> {
         self.followed(chosen, &state)
     }
 
-    /// Refits after a small change: from the state, which rows are outliers being known.
+    /// Refits after a small change, starting from the state and its known outliers.
     fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
         self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
     }
 
-    /// The state with a better one in the place of an effect: what was added first may have stood for others that were added later.
+    /// The state with an effect replaced by a better one: an effect that was added first may have absorbed others that were added later.
     fn swapped(&self, state: &State, index: usize) -> Option<State> {
         let (scorer, own) = (self.scorer(self.linear(state)), state.chosen.get(index)?);
         let model = self.loosely_without(state, &[index]);
@@ -382,7 +384,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Candidates that explain nearly as much as one effect of a state does, put in its place.
+    /// Candidates that explain nearly as much as an effect of a state, in place of it.
     fn contenders(&self, state: &State, index: usize) -> Vec<Candidate> {
         let scorer = self.scorer(self.linear(state));
         let model = self.loosely_without(state, &[index]);
@@ -394,7 +396,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// How many rows a fit takes for outliers.
+/// How many rows a fit rejects as outliers.
 fn rejected(fit: &Fit<EffectModel>) -> usize {
     fit.weights.iter().filter(|weight| **weight == 0.0).count()
 }

@@ -1,4 +1,4 @@
-//! From what the search proposes to what is claimed: curves beside it, the judgement, the model that is kept.
+//! From the proposals of the search to the claimed effects: curves, the comparison of sets, and the model that is kept.
 
 use crate::findings::values;
 use crate::infer::curves::{CurveFit, fit_curves, fit_curves_near};
@@ -19,25 +19,25 @@ use denavit_linear::threads::{in_parallel, join};
 use denavit_measurements::Measurements;
 use std::sync::Arc;
 
-/// Rows that causes are looked for in, at most, and values: 800 positions, 400 poses. More tell more of curves, but a cause
-/// that these do not show is none to be named, and the time grows with them.
+/// Largest number of rows and values for the comparison: 800 positions, 400 poses. More rows determine curves better, but a cause that
+/// these do not show is too small to be named, and the time grows with them.
 const MOST_ROWS: usize = 800;
 const MOST_VALUES: usize = 2400;
-/// Values of these rows that the search looks at for each row of the run, and at least: all that it proposes is judged on all of them. Long runs
-/// show smaller causes, and more of these at once.
+/// Values that the search uses per row of the run, and at least in total; its proposals are compared on all rows. Long runs show smaller
+/// causes, and more of them at once.
 const SEARCHED_PER_ROW: usize = 2;
 const FEWEST_SEARCHED: usize = 800;
-/// Where there are more, so many times as many others must show a cause, too.
+/// If the run has more rows, up to this many further sets of rows must support a cause, too.
 const MOST_OTHERS: usize = 4;
-/// Candidates that are judged, at most.
+/// Largest number of candidates in the comparison.
 const MOST_JUDGED: usize = 100;
-/// A cause is not named where it explains less than this share of the structure that is left beside it.
+/// A cause is not named if it explains less than this share of the remaining unexplained structure.
 const OUTWEIGHED: f64 = 0.5;
 
-/// A bump holds so many rows.
+/// Smallest number of rows in a bump.
 const ROWS_IN_BUMP: usize = 5;
 
-/// The whole of it.
+/// The whole trace: search, comparison, final fit.
 pub(crate) fn trace(
     statics: &Statics,
     data: &Measurements,
@@ -71,7 +71,7 @@ pub(crate) fn trace(
         let beside = fit_curves_near(survey, data, &plain, &geometric.arm, options.curves, known);
         (plain, beside)
     };
-    // Beside the model that the search ended with there are other curves.
+    // With the final model of the search, other curves are fitted.
     let ended = Some(&found.state).filter(|state| !state.chosen.is_empty());
     let models: Vec<Option<&State>> = [None].into_iter().chain(ended.map(Some)).collect();
     let bare = geometric.with_model(statics, options.earlier.as_ref());
@@ -106,7 +106,7 @@ pub(crate) fn trace(
     };
     let mut judged: Vec<Judged> = judged.into_iter().filter(Judged::kept).collect();
     judged.truncate(options.max_effects.unwrap_or(usize::MAX));
-    // In the order of the search: a model that it ended with need not be fitted again.
+    // In the order of the search: its final model need not be fitted again.
     let order = &found.state.chosen;
     judged.sort_by_key(|one| order.iter().position(|known| known.term == one.candidate.term).unwrap_or(order.len()));
     let terms = |judged: &[Judged]| judged.iter().map(|one| one.candidate.clone()).collect::<Vec<Candidate>>();
@@ -122,7 +122,7 @@ pub(crate) fn trace(
     };
     let (mut plain, mut last) = fit_with(&terms(&judged));
     if !last.fit.converged && !judged.iter().all(Judged::named) {
-        // Effects that nobody is sure of may be large and cancel each other: without them.
+        // Uncertain effects may be large and cancel each other: they are left out.
         judged.retain(Judged::named);
         (plain, last) = fit_with(&terms(&judged));
     }
@@ -148,7 +148,7 @@ pub(crate) fn trace(
     }
 }
 
-/// The rows that are not judged by, with the structures as they have them.
+/// The other sets of rows, with the structures' columns there.
 fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<OtherRows<'a>> {
     let of = |tracer: &'a Tracer<'a>| OtherRows {
         survey: &tracer.survey,
@@ -158,7 +158,7 @@ fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<O
     tracers.iter().skip(1).map(of).collect()
 }
 
-/// Which causes are outweighed by the structure that a fit leaves, in the mean over the rows that are judged by, of which this is left, and the
+/// Which causes are smaller than the unexplained structure of a fit, in the mean over the rows of the comparison (`unexplained`) and the
 /// other rows.
 fn spurious(
     judged: &[Judged],
@@ -176,7 +176,7 @@ fn spurious(
     judged.iter().map(|one| outweighed(one, drop)).collect()
 }
 
-/// What is judged: first what would be plain to an engineer, then what the search came upon.
+/// The candidates of the comparison: first those that an engineer would try, then those that the search found.
 fn proposed(tracer: &Tracer<'_>, near: &[&CurveFit], found: Vec<Candidate>) -> Vec<Candidate> {
     let curves = near.iter().flat_map(|near| &near.fit.effects.curves);
     let plain = curves.flat_map(|curve| plain_causes(&tracer.candidates, curve.joint));
@@ -191,12 +191,12 @@ fn proposed(tracer: &Tracer<'_>, near: &[&CurveFit], found: Vec<Candidate>) -> V
     proposed
 }
 
-/// Whether what no entry explains, so much of the sum of squares, weighs more than a cause does: that may then stand in for a part of it.
+/// Whether unexplained structure, `drop` of the sum of squares, is larger than a cause: the cause may then only absorb a part of it.
 fn outweighed(one: &Judged, drop: f64) -> bool {
     2.0 * one.gain < OUTWEIGHED * drop
 }
 
-/// What was judged, with the numbers that it has in the fit: its effects come first there.
+/// The findings, with their numbers in the fit, where their effects come first.
 fn findings(
     judged: Vec<Judged>,
     partial_residuals: Vec<PartialResiduals>,
@@ -223,7 +223,7 @@ fn findings(
     findings
 }
 
-/// What a search in a run of so many rows proposes.
+/// The proposals of a search in a run with this number of rows.
 fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
     let all = tracer.data;
     let searched = rows_of(all, (SEARCHED_PER_ROW * rows).max(FEWEST_SEARCHED));
@@ -234,7 +234,7 @@ fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
     tracer.proposals(Some((&all.subset(&some), &on_rows(tracer.geometric, all, &some))))
 }
 
-/// Rows spread evenly over the run; where it has more than are looked at, others between them.
+/// Rows spread evenly over the run; if it has more than are compared, further sets of rows between them.
 fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
     let rows = data.len();
     let most = rows_of(data, MOST_VALUES).min(MOST_ROWS);
@@ -243,20 +243,20 @@ fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
     (0..count).map(|first| all.iter().copied().skip(first).step_by(count).collect()).collect()
 }
 
-/// How many rows have so many values, or all.
+/// How many rows have this number of values, or all.
 fn rows_of(data: &Measurements, values: usize) -> usize {
     (data.len() * values).div_ceil(data.values().max(1)).min(data.len())
 }
 
-/// What a fit leaves that smooth functions explain.
+/// The part of a fit's residual that smooth functions explain.
 fn remains(tracer: &Tracer<'_>, fit: &Fit<EffectModel>) -> UnexplainedStructure {
     let state = State::new(Vec::new(), fit.clone());
     let linear = tracer.linear(&state);
     unexplained::examine(tracer, &tracer.scorer(linear))
 }
 
-/// Causes that a joint's own curve may hide: its scale, its compliance, its play. Of several forms of one the plain ones are
-/// proposed; the search finds the others where they are.
+/// Causes that a joint's own curve may hide: its scale, its compliance, its play. Only the plain forms are proposed; the search
+/// finds the others.
 fn plain_causes(candidates: &[Candidate], joint: usize) -> Vec<Candidate> {
     let plain = |candidate: &&Candidate| {
         let Term { kind, carrier, driver, .. } = &candidate.term;
@@ -271,7 +271,7 @@ fn plain_causes(candidates: &[Candidate], joint: usize) -> Vec<Candidate> {
     candidates.iter().filter(plain).cloned().collect()
 }
 
-/// Whether a bump holds enough rows to be seen as one: what stands between two rows is nothing.
+/// Whether a bump has enough rows to be recognised.
 fn wide_enough(candidate: &Candidate, data: &Measurements, statics: &Statics) -> bool {
     let Driver::Bump { joint, at, width, .. } = candidate.term.driver else { return true };
     let moving = &statics.chain.joints()[joint];
@@ -279,7 +279,7 @@ fn wide_enough(candidate: &Candidate, data: &Measurements, statics: &Statics) ->
     readings.filter(|reading| (reading - at).abs() < width).count() >= ROWS_IN_BUMP
 }
 
-/// A fit seen on some of its rows.
+/// A fit restricted to some of its rows.
 fn on_rows<E: Clone>(fit: &Fit<E>, data: &Measurements, rows: &[usize]) -> Fit<E> {
     let observations: Vec<usize> = rows.iter().flat_map(|row| data.of_row(*row)).collect();
     Fit {

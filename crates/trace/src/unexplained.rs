@@ -1,4 +1,4 @@
-//! What is left when every entry of the catalogue has been tried: structure, and where.
+//! Unexplained structure: the part of the residual that smooth functions of one or two variables explain, but no effect of the catalogue.
 
 use crate::by_carrier::{ByRow, Driven, alike};
 use crate::linear::Linear;
@@ -19,20 +19,20 @@ use std::sync::Arc;
 
 /// Periods per joint range of the waves that make a smooth function of one joint.
 const WAVES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
-/// Those that are multiplied for a function of two joints.
+/// Waves that are multiplied for a function of two joints.
 const PAIR_WAVES: [f64; 2] = [0.5, 1.0];
-/// Straight pieces that make a smooth function of a recorded quantity.
+/// Linear pieces of a smooth function of a recorded quantity.
 const PIECES: usize = 6;
-/// Blocks that are taken one after the other at most.
+/// Largest number of blocks that are added.
 const MOST_BLOCKS: usize = 6;
-/// Blocks that are looked at again after the best has been taken.
+/// Number of blocks that are tested again after the best was added.
 const STILL_OPEN: usize = 40;
-/// A direction of which the model leaves less than this share is no structure that one could point to.
+/// A direction with less than this share outside the model does not count as structure.
 const SEEN: f64 = 0.05;
-/// Places that a report lists at most.
+/// Largest number of places in a report.
 const LISTED: usize = 5;
 
-/// A joint or a recorded quantity that what is left hangs on.
+/// A joint or a recorded quantity that the unexplained residual depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Structure {
     /// The joint, where it is one.
@@ -41,16 +41,16 @@ pub struct Structure {
     /// The recorded quantity, where it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariate: Option<String>,
-    /// Share of what is left (sum of squares) that functions of it explain.
+    /// Share of the residual (sum of squares) that functions of it explain.
     pub share: f64,
 }
 
-/// What no entry explains.
+/// Structure that no effect of the catalogue explains.
 #[derive(Debug, Clone)]
 pub struct UnexplainedStructure {
-    /// Whether it is more than chance, all blocks counted.
+    /// Whether it is beyond chance, corrected for the number of blocks.
     pub structured: bool,
-    /// Probability of the best block by chance, all blocks counted.
+    /// Probability of the best block by chance, corrected for the number of blocks.
     pub p_value: f64,
     /// Where, the largest share first.
     pub places: Vec<Structure>,
@@ -81,7 +81,7 @@ pub(crate) struct Block {
     /// Where they act.
     pub(crate) carrier: Carrier,
     variables: Vec<Variable>,
-    /// Values row by row, so many per row.
+    /// Values row by row.
     values: Arc<[f64]>,
     per_row: usize,
 }
@@ -97,7 +97,7 @@ pub fn carriers(survey: &Survey) -> Vec<Carrier> {
     survey.moving().map(Carrier::Joint).chain([Carrier::Base]).collect()
 }
 
-/// Tests every block against the model, takes the best, and again, until nothing is left.
+/// Tests every block against the model, adds the best, and repeats until no block is significant.
 pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> UnexplainedStructure {
     let linear = scorer.linear;
     let blocks = tracer.blocks();
@@ -108,7 +108,7 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Unexplained
     let mut unexplained = UnexplainedStructure::default();
     for round in 0..MOST_BLOCKS {
         let mut scored = gains(linear, &projector, blocks, &open);
-        // By how far each is beyond chance: probabilities of strong structure all round to zero.
+        // Sorted by the distance from chance: probabilities of strong structure all round to zero.
         let beyond = |gain: &Gain| (gain.drop - gain.rank as f64) / (gain.rank.max(1) as f64).sqrt();
         scored.sort_by(|a, b| beyond(&b.1).total_cmp(&beyond(&a.1)));
         let Some(least) = scored.iter().map(|(p, _, _)| *p).min_by(f64::total_cmp) else { return unexplained };
@@ -144,7 +144,7 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Unexplained
     unexplained
 }
 
-/// These structures as the tracer's rows have them.
+/// These structures in the tracer's rows.
 pub(crate) fn of_these_rows(tracer: &Tracer<'_>, structures: &[Vec<Block>]) -> Vec<Vec<Block>> {
     let same = |wanted: &Block| {
         tracer
@@ -168,7 +168,7 @@ fn gains(linear: &Linear, projector: &Projector, blocks: &[Block], open: &[usize
     };
     let alike = alike(open.iter().map(|&index| blocks[index].carrier));
     let mut found: Vec<(usize, (f64, Gain))> = in_parallel(&alike, of_carrier).into_iter().flatten().collect();
-    // In the order that they were asked for: of two that do as well the first is the better.
+    // In the given order: of two equally good blocks the first is taken.
     found.sort_by_key(|(place, _)| *place);
     found.into_iter().map(|(place, (p_value, gain))| (p_value, gain, open[place])).collect()
 }
@@ -216,7 +216,7 @@ impl Block {
     }
 }
 
-/// Every function of one or two variables that may be left: they hang on the data alone.
+/// Every function of one or two variables that is tested; they depend on the data's columns alone.
 pub(super) fn blocks(tracer: &Tracer<'_>) -> Vec<Block> {
     let survey = &tracer.survey;
     let rows = tracer.data.len();
@@ -269,7 +269,7 @@ pub(super) fn blocks(tracer: &Tracer<'_>) -> Vec<Block> {
         let flat: Arc<[f64]> = values.into_iter().flatten().collect();
         let recorded = matches!(variables[0], Variable::Recorded(_));
         let carriers = moving.iter().map(|&joint| Carrier::Joint(joint)).chain(recorded.then_some(Carrier::Base));
-        // Where one arm errs the other's readings have no part.
+        // The error of one arm does not depend on the other arm's readings.
         let one_way = |carrier: &Carrier| {
             let own = carrier.joint().into_iter().chain(variables.iter().filter_map(Variable::joint));
             let own: Vec<usize> = own.collect();
@@ -282,7 +282,7 @@ pub(super) fn blocks(tracer: &Tracer<'_>) -> Vec<Block> {
     blocks
 }
 
-/// Straight pieces over a recorded quantity, knots where its values lie.
+/// Linear pieces over a recorded quantity, with knots at its quantiles.
 fn pieces(tracer: &Tracer<'_>, column: &Column) -> Option<Vec<Vec<f64>>> {
     let recorded = |row: usize| tracer.data.covariates.row(row).value(column);
     let mut sorted: Vec<f64> = (0..tracer.data.len()).map(recorded).collect();

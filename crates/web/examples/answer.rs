@@ -1,7 +1,7 @@
-//! Answers questions of the explorer's page natively, one JSON text a line, and says how long each took: what
+//! Answers questions of the explorer's page natively, one JSON text a line, and prints how long each took: what
 //! `web/measure` compares the page's own times with. With `--answers` it prints the answers instead.
 
-#![expect(clippy::print_stdout, reason = "what it prints is all that it is for")]
+#![expect(clippy::print_stdout, reason = "printing is its purpose")]
 
 use std::io::BufRead as _;
 use std::time::Instant;

@@ -97,7 +97,7 @@ fn open(source: &RobotText) -> Result<Value, String> {
     }))
 }
 
-/// What a link weighs, as a view draws it: `mass` kg, `centre` (its place with the principal axes of inertia, 16 numbers column
+/// A link's mass properties as a view draws them: `mass` kg, `centre` (its place with the principal axes of inertia, 16 numbers column
 /// by column), `box`: edges (m) of the solid box of that mass and that inertia, null where no body has such an inertia.
 ///
 /// A box of mass m and edges a, b, c has I₁ = m (b² + c²) / 12 and so on, so that a² = 6 (I₂ + I₃ - I₁) / m.
@@ -122,7 +122,7 @@ fn matter(inertial: &Inertial, reading: Reading) -> Value {
     })
 }
 
-/// Gives the joints of a scene the scales that its URDF could not say, and to what follows them, too.
+/// Gives the joints of a scene, and the joints that follow them, the scales that the URDF could not state.
 fn scale(scene: &mut Value, scales: &BTreeMap<String, f64>) {
     let Some(joints) = scene["joints"].as_array_mut() else { return };
     let names: Vec<String> = joints.iter().map(|joint| joint["name"].as_str().unwrap_or_default().to_owned()).collect();

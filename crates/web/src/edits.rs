@@ -1,11 +1,11 @@
-//! Edits of the robot at hand, each with its proof.
+//! Edits of the current robot, each with its proof.
 
 use crate::answers::words;
 use crate::question::RobotText;
 use denavit_edit::{Files, OPERATIONS, Operation, Text, Words, apply, unified_diff};
 use serde_json::{Value, json};
 
-/// Operations that take a maker's file or what mesh files hold, which a page has not.
+/// Operations that need a maker's file or the contents of mesh files, which a page does not have.
 const OF_FILES: [&str; 3] = ["set-calibration", "simplify-collision", "meshes"];
 
 /// The operations that a page can do: `name`, `usage`, `purpose` of each.
@@ -16,8 +16,8 @@ pub fn possible() -> Value {
     json!({ "operations": operations })
 }
 
-/// The edited `text`, what is proved of it in `said`, what else is to be said in `notes`, and the lines that differ in `diff`.
-/// `other` is the robot that one of the words names.
+/// The edited `text`, its proof in `said`, further notes in `notes`, and the changed lines in `diff`.
+/// `other` is the robot that one of the arguments names.
 pub fn edited(source: &RobotText, asked: &[String], other: Option<&RobotText>) -> Result<Value, String> {
     let text = |source: &RobotText| source.urdf().map(|(file, text)| Text { file, text });
     let before = text(source)?;

@@ -32,7 +32,7 @@ fn run(chain: &Chain) -> Simulation {
     simulate(chain, &SimulationOptions { rows: ROWS, seed: SEED, ..SimulationOptions::default() }, &NoEffects)
 }
 
-/// The kinds that depend on nothing but the posture, and where each can act.
+/// The kinds that depend only on the posture, and where each can act.
 pub fn possible(source: &RobotText) -> Result<Value, String> {
     let (chain, statics) = robot(source)?;
     let data = with_run_order(run(&chain).data);
@@ -57,7 +57,7 @@ pub fn possible(source: &RobotText) -> Result<Value, String> {
 }
 
 /// The tip of the robot as drawn and with the effect, for each row of joint values: base_from_tip, 16 numbers column by
-/// column, and by how far the two are apart, m.
+/// column, and the distance between the two, m.
 pub fn act(source: &RobotText, effect: &str, q: &[Vec<f64>]) -> Result<Value, String> {
     let (chain, statics) = robot(source)?;
     let specification: EffectSpecification = effect.parse().map_err(words)?;

@@ -20,8 +20,8 @@ use std::ops::ControlFlow;
 /// The seed of the rows that are held out, the command line's.
 const SEED: u64 = 0;
 
-/// Every column of a file with its first values and what it is likely to be; and what comes of reading the file as the map
-/// says, or by its names where there is none.
+/// Every column of a file with its first values and what it is likely to be; and the result of reading the file as the map
+/// states, or by its column names without a map.
 pub fn columns(source: &RobotText, data: &DataText, units: &str, map: Option<&str>) -> Result<Value, String> {
     let chain = source.load()?.chain(&source.selection()).map_err(words)?.value;
     let outlined = import::outline(&data.bytes()?, &chain);
@@ -100,7 +100,7 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
     }))
 }
 
-/// What was found, in the sentences of the report: what the list is headed and ended with, each effect; none where nothing
+/// What was found, as sentences of the report: heading and end of the list, and each effect; `None` where nothing
 /// was searched for.
 fn found(result: &Calibration) -> Value {
     let Some(trace) = &result.trace else { return Value::Null };
@@ -122,7 +122,7 @@ fn tried(result: &Calibration) -> Value {
     cells.map(|cell| json!({ "kind": cell.kind.name(), "place": cell.place, "delta_bic": cell.delta_bic })).collect()
 }
 
-/// For every stage and row fitted: where the drawn tip is at its reading, and what is left of the measured place, both m in
+/// For every stage and row fitted: where the drawn tip is at its reading, and the residual of the measured position, both m in
 /// the base frame; rows without a place in space are left out.
 fn residuals(chain: &Chain, result: &Calibration) -> Value {
     let (readings, width) = (&result.train.readings, chain.coordinates().len());

@@ -1,27 +1,27 @@
-//! How texts pass between the page and this module: the one place with raw memory.
+//! How texts pass between the page and this module: the only code with raw memory.
 //!
-//! The page asks for room by `allocate`, writes its question there and calls `ask`. The answer's place and length come back
-//! in one number; the page copies it and gives it back by `release`. Written by hand because it is all that there is to it:
-//! no generated code, no second tool whose version must match.
+//! The page gets memory by `allocate`, writes its question there and calls `ask`. The answer's address and length come back
+//! in one number; the page copies it and frees it by `release`. Written by hand because it is so short:
+//! no generated code, and no second tool whose version must match.
 #![allow(unsafe_code)]
 
-/// Room for `length` bytes.
+/// Memory for `length` bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn allocate(length: usize) -> *mut u8 {
     Box::into_raw(vec![0_u8; length].into_boxed_slice()).cast()
 }
 
-/// Gives back room of `length` bytes.
+/// Frees `length` bytes.
 ///
 /// # Safety
-/// `at` and `length` come from `allocate` or `ask`, and are not given back twice.
+/// `at` and `length` come from `allocate` or `ask`, and are not freed twice.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn release(at: *mut u8, length: usize) {
     // SAFETY: the caller's promise; both functions hand out boxed slices.
     drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, length)) });
 }
 
-/// Answers the question of `length` bytes at `at`, and takes its room back. The answer's place is in the upper 32 bits,
+/// Answers the question of `length` bytes at `at`, and frees it. The answer's address is in the upper 32 bits,
 /// its length in the lower ones.
 ///
 /// # Safety
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn ask(at: *mut u8, length: usize) -> u64 {
     (Box::into_raw(answer).cast::<u8>() as u64) << 32 | length
 }
 
-/// What the page is told while it waits.
+/// Progress for the waiting page.
 pub fn progress(words: &str) {
     say(1, words);
 }

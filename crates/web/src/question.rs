@@ -1,4 +1,4 @@
-//! What a page may ask.
+//! The questions of a page.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case")]
 pub enum Question {
-    /// What the robot is: chains, links, joints, shapes; the URDF of it.
+    /// Description of the robot: chains, links, joints, shapes; its URDF.
     Open(RobotText),
     /// The D-H table in a format.
     Table {
@@ -36,16 +36,16 @@ pub enum Question {
     },
     /// Screw axes and home pose.
     Poe(RobotText),
-    /// One joint's twist moved, and what becomes of the D-H numbers.
+    /// One joint's twist moved, and the resulting D-H numbers.
     Twist(Twist),
     /// Where the tip is.
     Fk {
         /// The robot.
         source: RobotText,
-        /// rad and m, by name; what is left out is 0.
+        /// rad and m, by name; missing ones are 0.
         q: BTreeMap<String, f64>,
     },
-    /// Where the tip is in many postures.
+    /// The tip's pose in many postures.
     Tips {
         /// The robot.
         source: RobotText,
@@ -67,13 +67,13 @@ pub enum Question {
     Canonical(RobotText),
     /// The operations that a robot can be edited by.
     Edits {},
-    /// The robot's URDF, edited, and what is proved of it.
+    /// The robot's edited URDF, and its proof.
     Edit {
         /// The robot.
         source: RobotText,
         /// As `denavit edit` takes them: `zero`, `elbow_joint=90deg`.
         words: Vec<String>,
-        /// The other robot, where the operation takes one.
+        /// The other robot, if the operation needs one.
         other: Option<RobotText>,
     },
     /// How two robots differ.
@@ -83,7 +83,7 @@ pub enum Question {
         /// The other.
         b: RobotText,
     },
-    /// What the columns of a file of measurements are.
+    /// The columns of a measurement file.
     Columns {
         /// The robot.
         source: RobotText,
@@ -92,7 +92,7 @@ pub enum Question {
         /// Units such as `mm,deg`.
         #[serde(default)]
         units: String,
-        /// What they are said to be.
+        /// Their stated meaning.
         map: Option<String>,
     },
     /// From measured data to a calibrated model.
@@ -126,11 +126,11 @@ pub struct Calibrate {
     pub map: Option<String>,
     /// `none`, `curves`, `auto`.
     pub effects: String,
-    /// Share of rows to hold out.
+    /// Fraction of rows to hold out.
     pub hold_out: Option<f64>,
 }
 
-/// Where the tip is wanted.
+/// The target pose of the tip.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Reach {
     /// The robot.
@@ -207,12 +207,12 @@ pub struct RobotText {
     pub base: Option<String>,
     /// Tip link of the chain.
     pub tip: Option<String>,
-    /// Whether every digit is taken as it stands.
+    /// Whether numbers are read exactly as written.
     pub exact: bool,
 }
 
 impl Question {
-    /// The files that the question brings, and the names of others, whose content is not there.
+    /// The files in the question, and the names of others without their content.
     pub(crate) fn files(&self) -> FileOverlay {
         let robots: Vec<&RobotText> = match self {
             Self::Open(source)
@@ -238,7 +238,9 @@ impl Question {
         let mut held = FileOverlay::default();
         for robot in robots {
             for name in &robot.names {
-                held.add_later(Path::new(name), || Err(io::Error::other("meshes are drawn on this page, not weighed")));
+                held.add_later(Path::new(name), || {
+                    Err(io::Error::other("this page draws meshes but does not compute their mass"))
+                });
             }
             for (name, text) in &robot.files {
                 held.add(Path::new(name), text.clone().into_bytes());
@@ -252,7 +254,7 @@ impl RobotText {
     fn options(&self) -> Options {
         Options {
             arguments: self.arguments.iter().map(|(name, value)| (name.clone(), value.clone())).collect(),
-            // Everything that was dropped is in sight.
+            // Every dropped file is visible.
             package_path: vec![PathBuf::from("/")],
             stated: Stated::default(),
             ..Options::default()
@@ -265,12 +267,12 @@ impl RobotText {
             .map_err(|error| denavit_model::words::readable(&error.to_string()).into_owned())
     }
 
-    /// The robot, without what is to be said of its reading.
+    /// The robot, without the notes of its reading.
     pub(crate) fn load(&self) -> Result<Loaded, String> {
         Ok(self.open()?.robot)
     }
 
-    /// The URDF that it stands for, xacro expanded; what the command line calls it.
+    /// Its URDF, with xacro expanded; the name that the command line gives it.
     pub(crate) fn urdf(&self) -> Result<(String, String), String> {
         if !denavit_load::is_markup(&self.file, &self.text) {
             let (robot, scales) = without_scales(self.load()?)?;
@@ -305,11 +307,11 @@ impl RobotText {
     }
 }
 
-/// A robot whose joints count as their coordinates do, which is all that a URDF can say, and the scales of the joints of which
+/// A robot whose joint values equal their coordinates, which is all that a URDF can state, and the scales of the joints of which
 /// one was left out, by name; a joint that another drives keeps its own.
 ///
 /// # Errors
-/// The joints make no chain.
+/// The joints do not form a chain.
 pub fn without_scales(robot: Loaded) -> Result<(Loaded, BTreeMap<String, f64>), String> {
     let Loaded::Poe(chain) = &robot else { return Ok((robot, BTreeMap::new())) };
     let drives = |joint: &ChainJoint| chain.coordinates()[joint.coordinate].name == joint.name;

@@ -1,4 +1,4 @@
-//! Joint values that reach a pose of the tip: what moves the robot when its tip is dragged.
+//! Joint values that reach a pose of the tip: moves the robot when its tip is dragged.
 
 use crate::answers::words;
 use crate::question::Reach;
@@ -7,14 +7,14 @@ use denavit_model::nalgebra::{Matrix3, Rotation3, Vector3};
 use denavit_model::{Pose, se3};
 use serde_json::{Value, json};
 
-/// A rotation's columns may be this far from orthonormal: a page's products of rotations round, but do not bend.
+/// A rotation's columns may be this far from orthonormal: products of rotations on a page have rounding errors only.
 const NOT_A_ROTATION: f64 = 1e-6;
 
 /// All solutions as `denavit ik` finds them, nearest to `near` first and those outside of limits last; where none reaches the pose
 /// `reached` is false, and the one solution is the nearest that was found.
 ///
 /// # Errors
-/// The chain has no joints, a number is missing or not finite, or the pose is no pose.
+/// The chain has no joints, a number is missing or not finite, or the pose is invalid.
 pub fn reached(asked: &Reach) -> Result<Value, String> {
     let chain = asked.source.load()?.chain(&asked.source.selection()).map_err(words)?.value;
     let wanted = chain.coordinates().len();

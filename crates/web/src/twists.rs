@@ -1,4 +1,4 @@
-//! One joint's twist moved by hand: which of the six ways of moving an axis change it, and which D-H numbers follow.
+//! One joint's twist moved by hand: which of the six motions of an axis change it, and the resulting D-H numbers.
 
 use crate::answers::{tabled, words};
 use crate::question::{Twist, table_options};
@@ -8,10 +8,10 @@ use denavit_model::nalgebra::{Vector3, Vector6};
 use denavit_model::{Chain, Pose, Screw, se3};
 use serde_json::{Value, json};
 
-/// A twist that a unit motion changes by less has no such freedom: rounding alone, per rad or per m.
+/// A twist that a unit motion changes by less (per rad or per m) does not have this freedom: the change is rounding.
 const NO_CHANGE: f64 = 1e-12;
 
-/// The twist before and after, (ω, v) in the base frame, which of the six motions change it, the frame they are counted in,
+/// The twist before and after, (ω, v) in the base frame, which of the six motions change it, their frame,
 /// and the D-H tables before and after, distal, a not negative, as the paper chooses.
 ///
 /// # Errors

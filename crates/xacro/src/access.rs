@@ -1,4 +1,4 @@
-//! Which files a document may make us read.
+//! Which files a document may cause to be read.
 
 use std::path::{Path, PathBuf};
 

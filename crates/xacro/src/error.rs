@@ -1,4 +1,4 @@
-//! What can go wrong, with the place, the way to it and the expression.
+//! Errors, with their place, the calls that led there and the expression.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -35,13 +35,13 @@ pub enum ErrorKind {
     Element,
     /// A limit of [`crate::Limits`] was passed.
     Limit,
-    /// `$(command …)` and `$(anon …)`, which are never carried out.
+    /// `$(command …)` and `$(anon …)`, which are never executed.
     Refused,
     /// `xacro.fatal(…)`: the document itself gave up.
     Fatal,
 }
 
-/// One step on the way to an error, from the inside out.
+/// One step of the chain of calls to an error, from the inside out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Frame {
@@ -72,7 +72,7 @@ pub enum Frame {
 
 /// Why an expansion failed, and where.
 ///
-/// `Display` shows everything: `place: what is wrong; the fix`, the line with the culprit underlined, and the chain
+/// `Display` shows everything: `place: what is wrong; the fix`, the line with the error underlined, and the chain
 /// of calls and includes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct XacroError {
@@ -84,11 +84,11 @@ pub struct XacroError {
     pub help: Option<String>,
     /// Where; `None` if the failure is not in a file that was read.
     pub place: Option<Place>,
-    /// The line at `place`, and the number of characters from `place.column` on that are at fault.
+    /// The line at `place`, and the number of wrong characters from `place.column` on.
     pub line: Option<(String, usize)>,
     /// The expression after substitution, where it is not what is in the line.
     pub expression: Option<String>,
-    /// Macro calls, includes and property uses on the way there, the innermost first.
+    /// Macro calls, includes and property uses that led there, the innermost first.
     pub stack: Vec<Frame>,
 }
 
@@ -128,9 +128,9 @@ impl XacroError {
 
 impl std::error::Error for XacroError {}
 
-/// Deeper chains are cut in the middle: the ends tell the story.
+/// Deeper chains are cut in the middle, since the ends matter.
 const FRAMES_SHOWN_AT_EACH_END: usize = 6;
-/// Longer lines are cut around the culprit.
+/// Longer lines are cut around the error.
 const LINE_SHOWN: usize = 160;
 
 impl fmt::Display for XacroError {

@@ -1,8 +1,8 @@
-//! The files that may be looked at: those of the disk, or others in their place, such as those in a browser's memory or of a
+//! The visible files: those on disk, or others instead of them, such as those in a browser's memory or of a
 //! revision in git.
 //!
-//! While files are [held](with), this thread and the expansions that it starts see them in place of the whole disk, or
-//! in place of what the disk has below a folder.
+//! While files are [held](with), this thread and the expansions that it starts see them instead of the whole disk, or
+//! instead of the contents of a folder on disk.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::io::{Error, ErrorKind, Result};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Files in place of those of the disk.
+/// Files that replace those on disk.
 ///
 /// They have absolute names, such as `/arm_description/urdf/arm.xacro`.
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ pub struct FileOverlay {
     seen: Seen,
 }
 
-/// What of the disk is seen beside held files.
+/// What is visible of the disk in addition to held files.
 #[derive(Debug, Default)]
 enum Seen {
     #[default]
@@ -57,7 +57,7 @@ impl Content {
 }
 
 impl FileOverlay {
-    /// No files, in place of what the disk has below a folder; elsewhere the disk is seen.
+    /// No files, instead of the contents of a folder on disk; elsewhere the disk is visible.
     pub fn below(folder: impl Into<PathBuf>) -> Self {
         Self { seen: Seen::Outside(folder.into()), ..Self::default() }
     }
@@ -72,7 +72,7 @@ impl FileOverlay {
         self.files.insert(lexical(name), Content::Bytes(bytes));
     }
 
-    /// Adds a file that is read when it is first looked into.
+    /// Adds a file that is read on first use.
     pub fn add_later(&mut self, name: &Path, read: impl Fn() -> Result<Vec<u8>> + Send + Sync + 'static) {
         self.files.insert(lexical(name), Content::Later(Box::new(read)));
     }
@@ -150,7 +150,7 @@ pub fn with<T>(held: Option<Arc<FileOverlay>>, work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// What this thread holds, for another thread.
+/// The files that this thread holds, for another thread.
 pub(crate) fn held() -> Option<Arc<FileOverlay>> {
     HELD.with_borrow(Clone::clone)
 }

@@ -8,7 +8,7 @@
 //!
 //! [`expand`] turns xacro into URDF the way the Python tool `xacro` does, with three differences: an error
 //! knows its file, line, column and the calls that led there; [`Limits`] end runaway documents; and files are
-//! read only below [known folders](FileAccess). Nothing is ever run: there is no shell behind `$(eval …)`.
+//! read only below [known folders](FileAccess). No program is ever run: `$(eval …)` does not use a shell.
 //!
 //! [`PackagePath`] finds ROS packages for `$(find …)`, `package://`, `model://` and `file://` from folders that
 //! it is given.

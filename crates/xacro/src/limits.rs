@@ -1,10 +1,10 @@
-//! Bounds on what a document may cost.
+//! Bounds on the resources of a document.
 
 use crate::error::{ErrorKind, XacroError};
 
-/// Bounds that end a document which would not end by itself, or only after filling the memory.
+/// Bounds that stop an expansion which would not end, or would fill the memory.
 ///
-/// The defaults are above what robots need: each of the vendors' files of the tests does with a tenth of them.
+/// The defaults are far above what robots need: every vendor file in the tests needs at most a tenth of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Limits {
     /// Nested elements, macro calls and includes together.
@@ -25,7 +25,7 @@ impl Default for Limits {
     }
 }
 
-/// What has been used of the limits.
+/// The used part of the limits.
 #[derive(Debug)]
 pub(crate) struct Meter {
     pub limits: Limits,
@@ -57,7 +57,7 @@ impl Meter {
     /// Counts the work on a text of `bytes` bytes, which must be below the limit.
     pub fn text(&mut self, bytes: usize) -> Result<(), Box<XacroError>> {
         if bytes > self.limits.bytes {
-            return Err(passed(format!("a text of more than {} bytes", self.limits.bytes)));
+            return Err(passed(format!("a text with more than {} bytes", self.limits.bytes)));
         }
         self.step(bytes / 16 + 1)
     }
@@ -82,7 +82,7 @@ impl Meter {
                 "elements, macro calls and includes are nested more than {} deep",
                 self.limits.depth
             ))
-            .help("does a macro call itself without an end, or a file include itself?"));
+            .help("does a macro call itself endlessly, or a file include itself?"));
         }
         Ok(())
     }
@@ -91,12 +91,12 @@ impl Meter {
         self.depth -= 1;
     }
 
-    /// Goes one operation deeper into an expression.
+    /// Enters one more level of an expression.
     pub fn descend(&mut self) -> Result<(), Box<XacroError>> {
         self.operations += 1;
         if self.operations > NESTED_OPERATIONS {
             return Err(passed(format!("operations are nested more than {NESTED_OPERATIONS} deep"))
-                .help("does a function call itself without an end?"));
+                .help("does a function call itself endlessly?"));
         }
         self.step(1)
     }

@@ -12,7 +12,7 @@ mod crawl;
 
 pub use crawl::package_name;
 
-/// Environment variables, as values: the library does not look at the process's own.
+/// Environment variables, as values: the library does not read the process's own.
 ///
 /// ```
 /// use denavit_xacro::Environment;
@@ -23,7 +23,7 @@ pub use crawl::package_name;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Environment {
     values: BTreeMap<String, String>,
-    /// Variables that are set, but to no text.
+    /// Variables that are set, but not to text.
     unreadable: BTreeSet<String>,
 }
 
@@ -33,14 +33,14 @@ impl Environment {
         self.values.get(name).map(String::as_str)
     }
 
-    /// The same with variables that are set to what is no text in UTF-8: a document that uses one is refused.
+    /// The same with variables whose value is not UTF-8 text: a document that uses one is refused.
     #[must_use]
     pub fn with_unreadable(mut self, names: impl IntoIterator<Item = String>) -> Self {
         self.unreadable.extend(names);
         self
     }
 
-    /// Whether a variable is set to what is no text in UTF-8.
+    /// Whether a variable is set to a value that is not UTF-8 text.
     pub fn is_unreadable(&self, name: &str) -> bool {
         self.unreadable.contains(name)
     }
@@ -56,16 +56,16 @@ impl FromIterator<(String, String)> for Environment {
     }
 }
 
-/// A package, or what a URI names, cannot be told.
+/// Why a package or the file of a URI is not found.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackageError {
-    /// No folder that was looked at holds the package.
+    /// No searched folder holds the package.
     #[error("package \"{name}\" is not found{}", looked_text(looked, near))]
     NotFound {
-        /// The package that was asked for.
+        /// The requested package.
         name: String,
-        /// The folders that were looked at, in order.
+        /// The searched folders, in order.
         looked: Vec<PathBuf>,
         /// Packages there with a name like it.
         near: Vec<String>,
@@ -76,8 +76,8 @@ pub enum PackageError {
         /// What was asked for.
         name: String,
     },
-    /// A URI of a kind that names no file.
-    #[error("\"{uri}\" names no file; write package://, file://, model:// or a path")]
+    /// A URI that does not refer to a file.
+    #[error("\"{uri}\" does not refer to a file; write package://, file://, model:// or a path")]
     Uri {
         /// The URI.
         uri: String,
@@ -87,7 +87,7 @@ pub enum PackageError {
 fn looked_text(looked: &[PathBuf], near: &[String]) -> String {
     let mut text = String::new();
     if looked.is_empty() {
-        text.push_str("; no folder is known to look into");
+        text.push_str("; there are no folders to search");
     } else {
         let folders: Vec<String> = looked.iter().map(|folder| folder.display().to_string()).collect();
         text.push_str("; looked in ");
@@ -101,7 +101,7 @@ fn looked_text(looked: &[PathBuf], near: &[String]) -> String {
     text
 }
 
-/// Folders in which packages are looked for, in order.
+/// Folders in which packages are searched for, in order.
 ///
 /// First the folders given by hand, then those around a file ([`PackagePath::near`]), then `AMENT_PREFIX_PATH`, then
 /// `ROS_PACKAGE_PATH`, and for `model://` also `GAZEBO_MODEL_PATH` and `GZ_SIM_RESOURCE_PATH`. A package is a folder
@@ -121,11 +121,11 @@ pub struct PackagePath {
 #[derive(Debug, Clone)]
 struct Root {
     folder: PathBuf,
-    /// How many folders deep packages are looked for.
+    /// How many folders deep packages are searched for.
     depth: usize,
-    /// Whether a folder of the right name will do, without a `package.xml`.
+    /// Whether a folder of the right name is enough, without a `package.xml`.
     by_folder_name: bool,
-    /// What a walk through the folder has found: package name and folder.
+    /// The packages found below the folder: name and folder.
     packages: OnceLock<Vec<(String, PathBuf)>>,
 }
 
@@ -221,7 +221,7 @@ impl PackagePath {
     /// The folder of a package.
     ///
     /// # Errors
-    /// [`PackageError::NotFound`] with the folders that were looked at; [`PackageError::Name`] for what can be no name.
+    /// [`PackageError::NotFound`] with the searched folders; [`PackageError::Name`] for an invalid name.
     pub fn find(&self, name: &str) -> Result<PathBuf, PackageError> {
         self.find_in(name, &[], &[])
     }
@@ -260,7 +260,7 @@ impl PackagePath {
         }
     }
 
-    /// Names of all packages in sight, sorted.
+    /// Names of all visible packages, sorted.
     pub fn packages(&self) -> Vec<String> {
         let mut names: Vec<String> =
             self.roots().flat_map(|root| root.packages().iter().map(|(name, _)| name.clone())).collect();

@@ -1,4 +1,4 @@
-//! Where something stands: files that were read, byte ranges in them, lines and columns for people.
+//! Places: files that were read, byte ranges in them, lines and columns for people.
 
 use std::fmt;
 use std::ops::Range;
@@ -63,8 +63,8 @@ impl Spot {
 
     /// The part of this text at `inner`, where `value` is what the XML reader made of it.
     ///
-    /// Entities and line breaks change lengths, so that the offsets only hold where the text was taken as it stands;
-    /// otherwise the part is looked for by its own words.
+    /// Entities and line breaks change lengths, so the offsets are valid only where the text was read unchanged;
+    /// otherwise the part is searched for by its own words.
     pub fn within(&self, value: &str, inner: Range<usize>) -> Self {
         let raw = self.file.text.get(self.range.clone()).unwrap_or_default();
         let offset = if raw.starts_with(value) {

@@ -19,7 +19,7 @@ pub(crate) struct Scope {
 #[derive(Debug, Clone)]
 pub(crate) enum Entry {
     Ready(Value),
-    /// The text of a property that nobody has used yet.
+    /// The text of a property that was not used yet.
     Lazy {
         text: Rc<str>,
         spot: Spot,
@@ -88,7 +88,7 @@ impl Scope {
         Some(Rc::clone(target))
     }
 
-    /// All names in sight, sorted.
+    /// All visible names, sorted.
     pub fn names(&self) -> Vec<Rc<str>> {
         let mut names = Vec::new();
         let mut scope = Some(self);
@@ -168,7 +168,7 @@ impl Macros {
         }
     }
 
-    /// All names in sight, sorted; those in namespaces with their prefix.
+    /// All visible names, sorted; those in namespaces with their prefix.
     pub fn names(&self) -> Vec<String> {
         let mut names = Vec::new();
         let mut macros = Some(self);

@@ -1,6 +1,6 @@
 //! The words inside `$(…)`.
 
-/// A substitution, taken apart.
+/// A parsed substitution.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Substitution<'a> {
     Argument(&'a str),

@@ -12,9 +12,9 @@ pub(crate) enum Segment {
     Substitution(Range<usize>),
 }
 
-/// Takes a text apart. The error is where it makes no sense.
+/// Splits a text into parts. The error is the invalid range.
 ///
-/// `$${` and `$$(` stand for `${` and `$(`; a dollar before anything else is a dollar. An expression ends at the first
+/// `$${` and `$$(` mean `${` and `$(`; a dollar before anything else is a dollar. An expression ends at the first
 /// `}`, a substitution at the first `)`.
 pub(crate) fn segments(text: &str) -> Result<Vec<Segment>, Range<usize>> {
     let mut segments = Vec::new();

@@ -13,7 +13,7 @@ use std::rc::Rc;
 pub struct Span {
     /// Index of the file.
     pub file: usize,
-    /// Byte offsets into its text, which begins behind a byte order mark.
+    /// Byte offsets into its text, which begins after a byte order mark.
     pub range: Range<usize>,
 }
 
@@ -40,7 +40,7 @@ pub struct AttributeOrigin {
     pub source: Range<usize>,
 }
 
-/// What an expression or substitution of the source came to.
+/// The value of an expression or substitution of the source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Evaluated {
     /// The inside of `${…}` or `$(…)`.
@@ -94,7 +94,7 @@ impl Trace {
     }
 }
 
-/// An element as it was written, before its places are worked out.
+/// An element as it was written, before its places are computed.
 pub(crate) struct ElementOrigin {
     pub at: usize,
     pub spot: Spot,

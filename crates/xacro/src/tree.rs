@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::error::{ErrorKind, XacroError};
 use crate::place::{SourceFile, Spot};
 
-/// Elements nested deeper than this are no robot; the reader recurses.
+/// Elements nested deeper than this are refused, since the reader recurses.
 const DEEPEST: usize = 1000;
 
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ pub(crate) struct Element {
     pub calls: Option<Rc<Call>>,
 }
 
-/// A macro call that is being carried out, and the one around it.
+/// A macro call that is being expanded, and the one around it.
 #[derive(Debug)]
 pub(crate) struct Call {
     pub name: Rc<str>,
@@ -121,7 +121,7 @@ pub(crate) fn read(file: &Rc<SourceFile>) -> Result<Document, Box<XacroError>> {
         let position = error.pos();
         let offset = offset(text, position.row as usize, position.col as usize);
         let words = error.to_string();
-        // The place is said in front of the message and need not be repeated in it.
+        // The place is printed before the message and need not be repeated in it.
         let words = words.rsplit_once(" at ").map_or(words.as_str(), |(words, _)| words);
         XacroError::new(ErrorKind::Xml, format!("this is not well-formed XML: {words}"))
             .at(&Spot::new(file, offset..offset + 1))

@@ -104,7 +104,7 @@ fn write_element(written: &mut Written, element: &Element, level: usize, pretty:
     }
     out.push('>');
     if has_words || !pretty {
-        // White space beside words may mean something.
+        // White space next to words may matter.
         for child in &element.children {
             write_inline(written, child);
         }

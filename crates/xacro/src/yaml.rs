@@ -10,7 +10,7 @@ use crate::expression::{Dict, Fault, Value, parse_integer};
 use crate::limits::Meter;
 use crate::place::{SourceFile, Spot};
 
-/// Collections nested deeper than this are no parameters.
+/// Collections nested deeper than this are refused.
 const DEEPEST: usize = 100;
 
 /// Tags that multiply a number, or an expression, into SI units.
@@ -55,7 +55,7 @@ pub(crate) fn load(
             }
             Event::Alias(anchor) => {
                 let value = anchors.get(&anchor).cloned().ok_or_else(|| {
-                    XacroError::new(ErrorKind::Yaml, "the alias stands inside what it names").at(&place())
+                    XacroError::new(ErrorKind::Yaml, "the alias is inside the node that it refers to").at(&place())
                 })?;
                 Some((0, value))
             }
@@ -159,7 +159,7 @@ fn scalar(
     number.map(|number| Value::Float(number * factor)).ok_or_else(|| wrong("a number"))
 }
 
-/// What a scalar without quotes and tag means in YAML 1.1.
+/// The value of a scalar without quotes and tag in YAML 1.1.
 fn plain(text: &str) -> Value {
     if matches!(text, "" | "~" | "null" | "Null" | "NULL") {
         return Value::None;

@@ -97,7 +97,7 @@ fn any_scope_but_parent_and_global_is_local() {
     assert_eq!(notes(&with("scope='local'")), [""; 0]);
     let said = notes(&with("scope='lcoal'"));
     assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].contains("the scope \"lcoal\" is not known, and is taken as \"local\""), "{said:?}");
+    assert!(said[0].contains("the scope \"lcoal\" is not known, so \"local\" is used"), "{said:?}");
     // As the Python tool: evaluated when it is used, as without a scope.
     let lazy = "<xacro:property name='a' value='${b}' scope='local'/><xacro:property name='b' value='7'/><c d='${a}'/>";
     assert!(expand_body(lazy).unwrap().urdf.contains("d=\"7\""));

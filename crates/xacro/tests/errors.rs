@@ -78,7 +78,7 @@ robot.xacro:2:7: the environment variable "DENAVIT_NO_SUCH" is not set; set it, 
    |       ^^^^^^^^^^^^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<a b='$(find no_such_package)/x'/>"), @r#"
-robot.xacro:2:7: package "no_such_package" is not found; no folder is known to look into; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH
+robot.xacro:2:7: package "no_such_package" is not found; there are no folders to search; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH
  2 | <a b='$(find no_such_package)/x'/>
    |       ^^^^^^^^^^^^^^^^^^^^^^^
 "#);
@@ -88,12 +88,12 @@ robot.xacro:2:7: "../../etc" is not a package name; write letters, digits, "_" a
    |       ^^^^^^^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<a b='$(command ls)'/>"), @r"
-robot.xacro:2:7: $(command …) is never carried out; pass the value as an argument: name:=value
+robot.xacro:2:7: $(command …) is never executed; pass the value as an argument: name:=value
  2 | <a b='$(command ls)'/>
    |       ^^^^^^^^^^^^^
 ");
     insta::assert_snapshot!(message("<a b='$(anon node)'/>"), @r"
-robot.xacro:2:7: $(anon …) is never carried out; pass the value as an argument: name:=value
+robot.xacro:2:7: $(anon …) is never executed; pass the value as an argument: name:=value
  2 | <a b='$(anon node)'/>
    |       ^^^^^^^^^^^^
 ");
@@ -168,17 +168,17 @@ robot.xacro:2:9: "!" has no meaning in an expression; write "not"
    |         ^
 "#);
     insta::assert_snapshot!(message("<a b='1 ${2'/>"), @r#"
-robot.xacro:2:9: "${2" makes no sense; close "${" with "}" and "$(" with ")"; a dollar that means itself before a bracket is "$$"
+robot.xacro:2:9: "${2" is not valid; close "${" with "}" and "$(" with ")"; write "$$" for a literal dollar before a bracket
  2 | <a b='1 ${2'/>
    |         ^^^
 "#);
     insta::assert_snapshot!(message("<a b='$(find x'/>"), @r#"
-robot.xacro:2:7: "$(find x" makes no sense; close "${" with "}" and "$(" with ")"; a dollar that means itself before a bracket is "$$"
+robot.xacro:2:7: "$(find x" is not valid; close "${" with "}" and "$(" with ")"; write "$$" for a literal dollar before a bracket
  2 | <a b='$(find x'/>
    |       ^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<a b='$$5'/>"), @r#"
-robot.xacro:2:7: "$$" makes no sense; close "${" with "}" and "$(" with ")"; a dollar that means itself before a bracket is "$$"
+robot.xacro:2:7: "$$" is not valid; close "${" with "}" and "$(" with ")"; write "$$" for a literal dollar before a bracket
  2 | <a b='$$5'/>
    |       ^^
 "#);
@@ -262,7 +262,7 @@ robot.xacro:2:9: give a tool
    |         ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<xacro:property name='a' value='${b}'/><xacro:property name='b' value='${a + 1}'/>\n<c d='${a}'/>"), @r#"
-robot.xacro:2:74: property "a" is defined by itself: a → b → a; write lazy_eval="false" on the property to use the value that it had before
+robot.xacro:2:74: property "a" is defined in terms of itself: a → b → a; write lazy_eval="false" on the property to use the value that it had before
  2 | <xacro:property name='a' value='${b}'/><xacro:property name='b' value='${a + 1}'/>
    |                                                                          ^
   in the value of property "b", used at robot.xacro:2:35
@@ -313,12 +313,12 @@ robot.xacro:2:2: <xacro:macro> has no attribute "name"; add name="…"
    |  ^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<xacro:property name='two words' value='1'/>"), @r#"
-robot.xacro:2:2: "two words" cannot be the name of a property; write letters, digits and "_", no digit or "__" first, and no word of Python
+robot.xacro:2:2: "two words" cannot be the name of a property; use letters, digits and "_"; do not start with a digit or "__", and do not use a Python keyword
  2 | <xacro:property name='two words' value='1'/>
    |  ^^^^^^^^^^^^^^
 "#);
     insta::assert_snapshot!(message("<xacro:property name='class' value='1'/>"), @r#"
-robot.xacro:2:2: "class" cannot be the name of a property; write letters, digits and "_", no digit or "__" first, and no word of Python
+robot.xacro:2:2: "class" cannot be the name of a property; use letters, digits and "_"; do not start with a digit or "__", and do not use a Python keyword
  2 | <xacro:property name='class' value='1'/>
    |  ^^^^^^^^^^^^^^
 "#);

@@ -71,7 +71,7 @@ fn arguments_files_and_notes_are_told() {
         ]
     );
     let notes: Vec<String> = expanded.notes.iter().map(ToString::to_string).collect();
-    assert_eq!(notes, ["the argument \"coutn\" is given, but the document declares none of that name"]);
+    assert_eq!(notes, ["the argument \"coutn\" is given, but the document does not declare it"]);
 
     let file = fixtures().join("features/includes.xacro");
     let expanded = expand(&Source::path(&file), &[], &packages_in(&fixtures().join("features/packages"))).unwrap();

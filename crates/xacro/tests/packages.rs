@@ -82,7 +82,7 @@ fn a_missing_package_tells_where_it_was_looked_for() {
     let shown = |name: &str| path.find(name).unwrap_err().to_string().replace(&top.display().to_string(), "TOP");
     insta::assert_snapshot!(shown("arm_descripton"), @r#"package "arm_descripton" is not found; looked in TOP/src, TOP/install; did you mean "arm_description"?"#);
     insta::assert_snapshot!(shown("something_else"), @r#"package "something_else" is not found; looked in TOP/src, TOP/install; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"#);
-    insta::assert_snapshot!(PackagePath::default().find("arm").unwrap_err().to_string(), @r#"package "arm" is not found; no folder is known to look into; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"#);
+    insta::assert_snapshot!(PackagePath::default().find("arm").unwrap_err().to_string(), @r#"package "arm" is not found; there are no folders to search; give the folder that holds it with ‹package-path›, or set ROS_PACKAGE_PATH"#);
     insta::assert_snapshot!(shown("../etc"), @r#""../etc" is not a package name; write letters, digits, "_" and "-" only"#);
     insta::assert_snapshot!(shown(""), @r#""" is not a package name; write letters, digits, "_" and "-" only"#);
 }
@@ -103,8 +103,8 @@ fn uris_become_files() {
     assert_eq!(resolve("file:///opt/a%20b.stl"), Ok(PathBuf::from("/opt/a b.stl")));
     assert_eq!(resolve("/opt/a.stl"), Ok(PathBuf::from("/opt/a.stl")));
     assert_eq!(resolve("../meshes/a.stl"), Ok(top.join("src/arm/urdf/../meshes/a.stl")));
-    insta::assert_snapshot!(resolve("http://example.com/a.stl").unwrap_err().to_string(), @r#""http://example.com/a.stl" names no file; write package://, file://, model:// or a path"#);
-    insta::assert_snapshot!(resolve("file://relative/a.stl").unwrap_err().to_string(), @r#""file://relative/a.stl" names no file; write package://, file://, model:// or a path"#);
+    insta::assert_snapshot!(resolve("http://example.com/a.stl").unwrap_err().to_string(), @r#""http://example.com/a.stl" does not refer to a file; write package://, file://, model:// or a path"#);
+    insta::assert_snapshot!(resolve("file://relative/a.stl").unwrap_err().to_string(), @r#""file://relative/a.stl" does not refer to a file; write package://, file://, model:// or a path"#);
     assert!(resolve("package://no_such/a.stl").is_err());
 }
 

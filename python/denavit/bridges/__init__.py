@@ -1,1 +1,1 @@
-"""To and from the packages that roboticists use beside this one; each is imported only where it is used."""
+"""Conversions to and from other robotics packages; each is imported only when it is used."""

@@ -1,4 +1,4 @@
-"""A chain as a function of jax."""
+"""A chain as a jax function."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def to_jax(chain: Chain) -> Callable[[Any], Any]:
-    r"""base_from_tip of joint values, as a function of jax with the space Jacobian as its derivative.
+    r"""base_from_tip of joint values, as a jax function with the space Jacobian as its derivative.
 
     T(q) = e^[S₁]θ₁ … e^[Sₙ]θₙ M with θᵢ = scale · q + offset, and dT = [J(q) dq] T, where column i of J is Ad(e^[S₁]θ₁ …) Sᵢ
     times the scale (Lynch, Park 2017, ch. 4 and 5).

@@ -1,4 +1,4 @@
-"""Robots for the packages beside this one."""
+"""Robots for other packages."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _SAME = 1e-9
 """Poses of the same robot in two packages differ by less: m, and entries of rotations."""
 
 _UNLIMITED = 1e6
-"""Limits beyond this say that there are none, rad or m."""
+"""Limits beyond this mean no limit, rad or m."""
 
 
 def _urdf(robot: Robot) -> str:
     if robot.urdf is None:
-        raise ArgumentError(f"{robot.file} is no URDF; robot.canonical() makes one")
+        raise ArgumentError(f"{robot.file} is not a URDF; robot.canonical() makes one")
     return robot.urdf
 
 
@@ -62,7 +62,7 @@ def to_pinocchio(robot: Robot) -> Any:
 
 
 def _follows(pinocchio: Any, model: Any, robot: Robot, driver: str) -> None:
-    """Refuses a model in which the links move otherwise than here when a driving joint moves."""
+    """Refuses a model in which the links move differently from here when a driving joint moves."""
     if not model.existJointName(driver):
         return
     data, q = model.createData(), pinocchio.neutral(model)
@@ -82,18 +82,18 @@ def _follows(pinocchio: Any, model: Any, robot: Robot, driver: str) -> None:
         own = chain.fk([value if name == driver else 0.0 for name in chain.joints])
         if np.abs(theirs - own).max() > _SAME * max(1.0, chain.size):
             raise ExportError(
-                f"{robot.file}: what follows joint {driver!r} moves otherwise in pinocchio; compute with the chain of denavit"
+                f"{robot.file}: what follows joint {driver!r} moves differently in pinocchio; compute with the chain of denavit"
             )
 
 
 def of_roboticstoolbox(robot: Any) -> str:
     """Screw axes of a robot of roboticstoolbox that is one chain, as JSON."""
     if not hasattr(robot, "ets") or not hasattr(robot, "fkine"):
-        raise ArgumentError(f"a {type(robot).__name__} of roboticstoolbox is no robot; give a DHRobot or an ERobot of one chain")
+        raise ArgumentError(f"a {type(robot).__name__} of roboticstoolbox is not a robot; give a DHRobot or ERobot of one chain")
     try:
         steps = list(robot.ets())
     except Exception as error:
-        raise ArgumentError(f"{robot.name}: it is no single chain ({error}); give the URDF that it is from") from error
+        raise ArgumentError(f"{robot.name}: it is not a single chain ({error}); give its original URDF") from error
     pose = np.eye(4)
     joints: list[dict[str, Any]] = []
     coordinates: list[dict[str, Any]] = []
@@ -133,7 +133,7 @@ def _agree(text: str, robot: Any, count: int) -> None:
     for q in (np.zeros(count), np.linspace(0.1, 0.5, count)):
         if np.abs(chain.fk(q) - np.asarray(robot.fkine(q).A)).max() > _SAME * max(1.0, chain.size):
             raise ArgumentError(
-                f"{robot.name}: its forward kinematics is not that of its links; give the URDF or table that it is from"
+                f"{robot.name}: its forward kinematics do not match its links; give its original URDF or table"
             )
 
 
@@ -194,10 +194,10 @@ def _pinocchio_joint(pinocchio: Any, model: Any, joint: int) -> tuple[str, Array
     found = model.joints[joint]
     kind = str(found.shortname())
     if "Mimic" in kind:
-        raise ArgumentError(f"{model.name}: joint {model.names[joint]!r} follows another; give the URDF that the model is from")
+        raise ArgumentError(f"{model.name}: joint {model.names[joint]!r} follows another; give the model's original URDF")
     if found.nv != 1 or "Helical" in kind or "Composite" in kind:
         raise ArgumentError(
-            f"{model.name}: joint {model.names[joint]!r} is a {kind}, which neither turns nor slides; give its URDF"
+            f"{model.name}: joint {model.names[joint]!r} is a {kind}, which is neither revolute nor prismatic; give its URDF"
         )
     # The motion of the joint at its first unit: angular part of a turn, linear part of a slide.
     data = model.createData()
@@ -213,7 +213,7 @@ def to_roboticstoolbox(table: Table) -> Any:
     rtb = import_module("roboticstoolbox")
     spatialmath = import_module("spatialmath")
     if table.convention not in ("distal", "proximal"):
-        raise ArgumentError(f"a DHRobot has no {table.convention} rows; take distal or proximal")
+        raise ArgumentError(f"a DHRobot has no {table.convention} rows; use distal or proximal")
     modified = table.convention == "proximal"
     first, *rows, last = table.rows
     entries = table.to_dict()

@@ -23,9 +23,9 @@ WANTED = (
 
 
 def text_of(source: Any, file: str | None, convention: str | None = None, units: str | None = None) -> tuple[str, str]:
-    """What messages call a source, and its text; a table of numbers says in its text what its convention and units are.
+    """The name of a source in messages, and its text; the text of a table of numbers states its convention and units.
 
-    Numbers are rad and m unless a heading or `units` says otherwise.
+    Numbers are in rad and m unless a heading or `units` states otherwise.
     """
     if isinstance(source, bytes | bytearray | memoryview):
         name = file or "<bytes>"
@@ -47,7 +47,7 @@ def text_of(source: Any, file: str | None, convention: str | None = None, units:
     stated = attributes.get("convention") if isinstance(attributes, Mapping) else None
     rows = _rows_of(source)
     if rows is None:
-        raise ArgumentError(f"a {type(source).__name__} is no robot; {WANTED}")
+        raise ArgumentError(f"a {type(source).__name__} is not a robot; {WANTED}")
     return file or "table.csv", _table(rows, convention or stated, _denavit.table_units(units or ""))
 
 
@@ -78,7 +78,7 @@ def _described(name: str) -> str | None:
 
 
 def _own(source: Any) -> tuple[str, str] | None:
-    """File and text of a table of this package; its other results are refused by what they have a robot as."""
+    """File and text of a table of this package; other results are refused, with the name of their robot attribute."""
     from denavit.table import Table
 
     if isinstance(source, Table):
@@ -86,7 +86,7 @@ def _own(source: Any) -> tuple[str, str] | None:
     if type(source).__module__.startswith("denavit."):
         kind = type(source).__name__
         instead = {"Chain": "chain.robot, or chain.table()", "Fit": "fit.robot or fit.nominal.robot", "Diff": "diff.robots"}
-        raise ArgumentError(f"a denavit.{kind} is no robot; give {instead.get(kind, 'a source that denavit.load takes')}")
+        raise ArgumentError(f"a denavit.{kind} is not a robot; give {instead.get(kind, 'a source that denavit.load takes')}")
     return None
 
 
@@ -124,7 +124,7 @@ def _rows_of(source: Any) -> list[dict[str, object]] | None:
         if len(lengths) != 1:
             found = ", ".join(f"{name} {len(values)}" for name, values in full_columns.items()) or "none"
             raise ArgumentError(
-                f"the columns of a D-H table need one length, and these have: {found}; a number alone is for all rows"
+                f"the columns of a D-H table must have the same length, but have: {found}; a single number applies to all rows"
             )
         count = lengths.pop()
         full = {name: full_columns.get(name, [values] * count) for name, values in columns.items()}

@@ -2,9 +2,9 @@
 
     python tests/oracle/benchmarks/edits_beside_scikit_robot.py [EVERY]
 
-What is right is decided by yourdfpy, which is neither's: seen from the link that stays the base, each link's frame may differ from
-where it was by a constant step only, and its first visual and its centre of mass are where they were, at four sets of joint
-values. Seconds are those of a whole run on one core: the program for denavit, the function alone for scikit-robot.
+yourdfpy, which belongs to neither, decides what is right: seen from the link that stays the base, each link's frame may differ from
+its old pose only by a constant step, and its first visual and its centre of mass keep their positions, at four sets of joint
+values. Seconds are those of a whole run on one core: the program for denavit, only the function for scikit-robot.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ def load(path):
 
 
 def parts(robot, link):
-    """link_from_part of the first visual and of the centre of mass, where there are any."""
+    """link_from_part of the first visual and of the centre of mass, if there are any."""
     found = {}
     of = robot.link_map[link]
     if of.visuals:
@@ -49,7 +49,7 @@ def parts(robot, link):
 
 
 def right(before, after, base, new_value, merged):
-    """Whether the second file moves as the first, up to constant steps of the frames."""
+    """Whether the second file moves like the first, up to constant steps of the frames."""
     spread = np.random.default_rng(1)
     links = [link.name for link in before.robot.links if link.name in after.link_map]
     steps = {}

@@ -1,4 +1,4 @@
-"""Memory of `denavit fleet` against the size of the store: the table of docs/fleet.md.
+"""Memory of `denavit fleet` as a function of the size of the store: the table of docs/fleet.md.
 
     .venv/bin/python tests/oracle/benchmarks/fleet_memory.py
 
@@ -26,7 +26,7 @@ def denavit(*words):
 
 
 def peak(*words):
-    """Largest resident memory of a command, MB, and its seconds of computing."""
+    """Largest resident memory of a command, MB, and its processor time, s."""
     process = subprocess.Popen([built.denavit(), *map(str, words)], stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     assert os.waitstatus_to_exitcode(status) < 2, words

@@ -1,6 +1,6 @@
 """Times whole processes, start to exit, each in turn: `process.py DENAVIT ROBOT FILE`; one JSON line for each.
 
-Median of a few runs; the command's own time in the processor stands beside it, which other work on the machine cannot stretch.
+Prints the median of a few runs, and the command's processor time, which depends less on other load.
 """
 
 import json

@@ -2,8 +2,8 @@
 
     python_peers.py NAME FILE TIP [--load]
 
-A call from Python costs about as much as the kinematics of a compiled peer: "empty call" says how much, and for roboticstoolbox,
-yourdfpy and scipy, which work in Python, that is what their users pay. `--load` times only the loading of FILE.
+A call from Python takes about as long as the kinematics of a compiled peer: "empty call" measures it. Users of roboticstoolbox,
+yourdfpy and scipy, which run in Python, always pay it. `--load` times only the loading of FILE.
 """
 
 import json
@@ -19,7 +19,7 @@ SECONDS = 0.3
 
 
 def median_ns(work, times=1):
-    """Median time of `work`, which does its thing `times` times, over about a third of a second."""
+    """Median time of `work`, which does its work `times` times, over about a third of a second."""
     start = time.perf_counter_ns()
     work()
     once = max(time.perf_counter_ns() - start, 1)
@@ -87,7 +87,7 @@ def yourdfpy(robot, path, tip, load):
 def toolbox(robot, path, tip, load):
     import roboticstoolbox as rtb
 
-    path = os.path.abspath(path)  # it looks for others in its own data
+    path = os.path.abspath(path)  # it searches relative paths in its own data
 
     if load:
         return report(robot, "roboticstoolbox", "load", median_ns(lambda: rtb.ERobot.URDF(path)))
@@ -101,7 +101,7 @@ def toolbox(robot, path, tip, load):
 
 
 def scipy(robot, path, tip, load):
-    """Batches the way that numpy and scipy offer: one Rotation object for each joint over all configurations."""
+    """Batches with numpy and scipy: one Rotation object for each joint over all configurations."""
     if load:
         return
     from pathlib import Path
@@ -129,7 +129,7 @@ def scipy(robot, path, tip, load):
 
 
 def pybotics(robot, path, tip, load):
-    """Reads no URDF: its own UR10 stands for the UR5e, whose joints are arranged alike."""
+    """Reads no URDF: its own UR10 replaces the UR5e, which has the same joint arrangement."""
     if load or robot != "UR5e":
         return
     from pybotics.optimization import OptimizationHandler, optimize_accuracy
@@ -155,7 +155,7 @@ def pybotics(robot, path, tip, load):
 
 
 def mujoco(robot, path):
-    """Parsing and compiling an MJCF whose mesh files need not be there: a tetrahedron stands for each."""
+    """Parsing and compiling an MJCF without its mesh files: a tetrahedron replaces each."""
     from pathlib import Path
 
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "formats"))
@@ -172,7 +172,7 @@ def main(robot, path, tip, load=False):
     for peer in [mujoco] if in_mjcf else PEERS:
         try:
             peer(robot, path) if in_mjcf else peer(robot, path, tip, bool(load))
-        except Exception as error:  # noqa: BLE001 - a peer that does not run is a line of the table, too
+        except Exception as error:  # noqa: BLE001 - a peer that does not run also gets a line in the table
             print(f"{robot}: {peer.__name__} skipped, because {type(error).__name__}: {error}", file=sys.stderr)
 
 

@@ -1,8 +1,8 @@
-"""The table of `benches/run`: medians over the rounds, ratios to the peer that is named, machine and method.
+"""The table of `benches/run`: medians over the rounds, ratios to the named peer, machine and method.
 
     table.py ROUNDS_FOLDER
 
-Each round left a folder of files `*.jsonl`, a line for each figure: {"robot", "who", "what", "ns"}.
+Each round has a folder of files `*.jsonl` with a line for each figure: {"robot", "who", "what", "ns"}.
 """
 
 import json
@@ -13,7 +13,7 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-#: Who is set against whom: (heading, what, whose time is 1).
+#: The comparisons: (heading, what, the program whose time is 1).
 TABLES = [
     ("Forward kinematics, one configuration", "fk", "pinocchio (C++)"),
     ("Jacobian and pose, one configuration", "jacobian", "pinocchio (C++)"),

@@ -183,7 +183,7 @@ def test_what_a_bag_cannot_say_is_refused(tmp_path, measured):
         return found.stderr
 
     two = write(tmp_path / "two", few, kind, plugin, topics=("/a", "/b"))
-    assert "several topics may be the target: /a, /b; choose one by --target-topic" in said(two)
+    assert "several topics may be the target: /a, /b; choose one with --target-topic" in said(two)
     assert "--target-topic /c: there is no such topic of the target; there are /a, /b" in said(two, "--target-topic", "/c")
     other = write(tmp_path / "other", ([f"j{k}" for k in range(6)], *few[1:]), kind, plugin)
     assert "no sensor_msgs/JointState names all of the joints shoulder_pan_joint" in said(other)
@@ -196,6 +196,6 @@ def test_what_a_bag_cannot_say_is_refused(tmp_path, measured):
         assert "this bag cannot be read" in said(tmp_path / name)
     whole = write(tmp_path / "whole", few, kind, StoragePlugin.SQLITE3, CompressionMode.FILE)
     (packed,) = [file for file in whole.iterdir() if file.suffix == ".zstd"]
-    assert "compressed as a whole; take it apart first: zstd -d" in said(packed) and said(whole) == said(packed)
+    assert "the whole file is compressed; decompress it first: zstd -d" in said(packed) and said(whole) == said(packed)
     each = write(tmp_path / "each", few, kind, StoragePlugin.SQLITE3, CompressionMode.MESSAGE)
-    assert "the messages are compressed one by one" in said(each)
+    assert "its messages are compressed; rewrite the bag without compression" in said(each)

@@ -106,7 +106,7 @@ def test_a_joint_that_counts_from_the_ground_is_said_with_the_mend(tmp_path):
     command = [built.denavit(), "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv"]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 0 and run.stdout.startswith("ATTENTION")
-    assert 'if "elbow" were counted from the ground' in run.stderr and 'into column "elbow"' in run.stderr
+    assert 'if "elbow" were measured from the ground' in run.stderr and 'into column "elbow"' in run.stderr
 
 
 @pytest.mark.parametrize("arm", ["six_axis", "seven_axis", "scara", "rail_six_axis"])

@@ -1,4 +1,4 @@
-"""Whether a URDF and its canonical export are one robot: by yourdfpy, by pinocchio, and element by element."""
+"""Whether a URDF and its canonical export are the same robot: by yourdfpy, by pinocchio, and element by element."""
 
 import hashlib
 import logging
@@ -20,7 +20,7 @@ VECTORS = int(os.environ.get("DENAVIT_EXPORT_VECTORS", "10"))
 
 
 def quiet():
-    """The C++ libraries complain on standard error about files whose trouble is recorded anyhow."""
+    """Silences the C++ libraries, which complain on standard error about files whose errors are recorded anyway."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")
@@ -35,12 +35,12 @@ def vectors(path, count=VECTORS):
 
 
 def slides_by_its_length(path):
-    """yourdfpy slides by the axis as it is written: such files have another motion there than in URDF."""
+    """yourdfpy moves a slide by the axis as written, without normalizing: in such files its motion differs from URDF."""
     return any(j.kind == "prismatic" and abs(np.linalg.norm(j.axis) - 1) > 1e-12 for j in Tree(path).joints)
 
 
 class Yourdfpy:
-    """Everything that the links hold, in the root's frame, as yourdfpy places it."""
+    """All parts of the links, in the root's frame, as yourdfpy places them."""
 
     def __init__(self, path):
         import yourdfpy
@@ -57,7 +57,7 @@ class Yourdfpy:
             waiting += below.get(parent, [])
 
     def poses(self, values):
-        """root_from_link by link name, from the scene's edges as yourdfpy has set them."""
+        """root_from_link by link name, from the edges of yourdfpy's scene."""
         self.robot.update_cfg({name: values[name] for name in self.robot.actuated_joint_names if name in values})
         edges = self.robot.scene.graph.transforms.edge_data
         poses = {self.root: np.eye(4)}
@@ -113,7 +113,7 @@ def by_yourdfpy(original, exported, frames_too):
         placed = [pose[at] @ local for pose, (at, local) in zip(poses, (one, other))]
         reach = np.maximum(size, np.linalg.norm(placed[0][:, :3, 3], axis=1))
         metres = np.linalg.norm(placed[0][:, :3, 3] - placed[1][:, :3, 3], axis=1) / reach
-        # Of two nearly equal rotations: the Frobenius norm is √2 times the angle between them.
+        # For two nearly equal rotations the Frobenius norm is √2 times the angle between them.
         turns = np.linalg.norm(placed[0][:, :3, :3] - placed[1][:, :3, :3], axis=(1, 2)) / np.sqrt(2)
         heavy = [pose[part[0]] for pose, part in zip(poses, (inertia, twin_inertia))]
         centres = [
@@ -133,7 +133,7 @@ def by_yourdfpy(original, exported, frames_too):
 
 
 def fixed_leaves(path):
-    """Links on fixed joints that carry nothing: their frames stay."""
+    """Links on fixed joints that carry nothing: they keep their frames."""
     tree = Tree(path)
     return {link for link in tree.leaves if link in tree.above and tree.above[link].kind == "fixed"}
 
@@ -188,7 +188,7 @@ POSED["terminator"] = {"xyz"}
 
 
 def different_elements(original, exported):
-    """Elements, attributes, comments and texts that differ, but for poses and for elements that give one where none was."""
+    """Elements, attributes, comments and texts that differ, except poses and elements that add a pose."""
     parser = etree.XMLParser(recover=True, remove_blank_text=False)
     twins = [etree.fromstring(Path(path).read_bytes().lstrip(), parser) for path in (original, exported)]
     found = []
@@ -207,7 +207,7 @@ def compare(before, after, found):
     if tag != tag_of(after) or attributes(before) != attributes(after):
         found.append(f"<{tag}> in line {before.sourceline}")
     text = lambda element: (element.text or "").strip()  # noqa: E731
-    # Given in the frame of the link, which may have moved: where things are, and along which direction they rub.
+    # Given in the frame of the link, which may have moved: positions and directions of friction.
     if tag not in ("pose", "fdir1") and text(before) != text(after):
         found.append(f"text of <{tag}> in line {before.sourceline}")
     twins = list(after)
@@ -222,7 +222,7 @@ def compare(before, after, found):
 
 
 def examine(task):
-    """One file: (source, original, what the comparisons say, or why one cannot be made)."""
+    """One file: (source, original, results of the comparisons, or the reason for having none)."""
     original, exported, frames_too = task
     result = {"file": str(original)}
     if not Path(exported).exists():
@@ -234,7 +234,7 @@ def examine(task):
             result["yourdfpy"] = by_yourdfpy(original, exported, frames_too)
     except AssertionError:
         raise
-    except Exception as error:  # noqa: BLE001 - what the program cannot read is the answer
+    except Exception as error:  # noqa: BLE001 - that the program cannot read it is the result
         result["yourdfpy skipped"] = reason(error)
     try:
         result["pinocchio"] = by_pinocchio(original, exported)

@@ -1,4 +1,4 @@
-"""Canonical URDFs of every robot at hand against the originals: by yourdfpy, by pinocchio, and element by element."""
+"""Canonical URDFs of every available robot compared with the originals: by yourdfpy, by pinocchio, and element by element."""
 
 import multiprocessing
 import os
@@ -13,13 +13,13 @@ import corpus
 
 
 def files():
-    """The corpus without the files that are made from others."""
+    """The corpus without files that are generated from others."""
     return [path for source, path in corpus.files() if source != "vendor/xacro"]
 
 
 @pytest.fixture(scope="session")
 def export_urdf():
-    """The program that exports; built where it is not given."""
+    """The program that exports; built if not given."""
     given = os.environ.get("DENAVIT_EXPORT_URDF")
     if given:
         return given
@@ -29,7 +29,7 @@ def export_urdf():
 
 
 def export(program, flags, folder):
-    """[(original, exported)] and the reasons that the program gave for those that it refused."""
+    """[(original, exported)] and the program's reasons for the files that it refused."""
     pairs = [(path, folder / f"{index}.urdf") for index, path in enumerate(files())]
     words = [str(word) for pair in pairs for word in pair]
     done = subprocess.run([program, *flags, *words], capture_output=True, text=True, check=False)

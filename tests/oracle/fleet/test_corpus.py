@@ -39,7 +39,7 @@ def test_clusters_of_a_folder(tmp_path):
     assert len(near["mechanisms"]) == 2 and abs(near["tips_apart_m"] - 0.0002) < 1e-6
     errors = {name for name, file in zip(names, found["files"]) if "error" in file}
     assert errors == {"broken.urdf"}
-    assert "6 files: 5 robots that move, 3 mechanisms, 1 that are no robots" in denavit("fleet", "corpus", tmp_path)
+    assert "6 files: 5 robots that move, 3 mechanisms, 1 without a robot" in denavit("fleet", "corpus", tmp_path)
 
 
 def test_what_each_commit_of_a_history_did(tmp_path):

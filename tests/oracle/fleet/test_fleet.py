@@ -96,7 +96,7 @@ def test_finished_work_is_not_done_again_and_threads_change_no_bit(plant, uninte
     # What failed is tried again, on a copy of the store that the other tests look at.
     shutil.copytree(uninterrupted, plant / "again")
     again = denavit("fleet", "run", plant / "plant.csv", "--set", "effects=none", "-o", plant / "again", codes=(1,))
-    assert "1 done now, 40 were there, 1 failed" in again
+    assert "1 done now, 40 done before, 1 failed" in again
     denavit("fleet", "run", plant / "plant.csv", "--set", "effects=none", "--threads", 1, "-o", plant / "one", codes=(1,))
     assert everything(plant / "one") == everything(uninterrupted)
 
@@ -158,7 +158,7 @@ def test_a_merge_that_was_begun_is_ended(plant, uninterrupted, tmp_path):
     plan = {"remove": [gone, f"runs/{old.name}"], "rename": [[f"runs/{hidden.name}", f"runs/{merged.name}"]]}
     (store / ".merge.json").write_text(json.dumps(plan))
     again = denavit("fleet", "run", plant / "plant.csv", "--set", "effects=none", "-o", store, codes=(1,))
-    assert "1 done now, 40 were there, 1 failed" in again
+    assert "1 done now, 40 done before, 1 failed" in again
     assert everything(store) == everything(uninterrupted)
     assert not (store / ".merge.json").exists()
 
@@ -221,7 +221,7 @@ def test_every_task_has_its_rows(tmp_path):
     ("serial,robot,task\nA,arm.urdf,dance\n", "plant.csv:2: task \"dance\" is unknown"),
     ("serial,robot,hold_out,data\nA,arm.urdf,1.5,a.csv\n", "plant.csv:2: hold_out is a share"),
     ("serial,robot\n", "it names no robot"),
-    ("robot\narm.urdf\n", "plant.csv:2: there is no serial"),
+    ("robot\narm.urdf\n", "plant.csv:2: serial is missing"),
 ])
 def test_a_manifest_that_is_none_is_refused(tmp_path, text, said):
     manifest = tmp_path / "plant.csv"
@@ -241,7 +241,7 @@ def test_two_runs_do_not_write_one_store(plant, tmp_path):
     time.sleep(0.02)
     second = subprocess.run(command, capture_output=True, text=True)
     first.wait()
-    assert second.returncode == 2 and "another run writes into this store" in second.stderr
+    assert second.returncode == 2 and "another run is writing to this store" in second.stderr
 
 
 def test_the_page_shows_the_tables_of_the_store(uninterrupted):
@@ -307,7 +307,7 @@ def test_work_that_stands_in_a_store_written_anew_is_not_done_again(plant, unint
     more = (plant / "plant.csv").read_text() + f"SN-more,{ROBOT},0.csv,2026-11-02,\n"
     (plant / "more.csv").write_text(more)
     again = denavit("fleet", "run", plant / "more.csv", "--set", "effects=none", "-o", store, codes=(1,))
-    assert "2 done now, 40 were there, 1 failed" in again
+    assert "2 done now, 40 done before, 1 failed" in again
     kept = [row for row in rows(store, "parameters") if row[1] != "SN-more"]
     assert kept == rows(uninterrupted, "parameters")
 

@@ -90,7 +90,7 @@ def test_histories_say_what_drifted_and_when_it_stepped(plant):
 
 def test_a_folder_without_a_store_is_refused(tmp_path):
     run = subprocess.run([built.denavit(), "fleet", "watch", tmp_path], capture_output=True, text=True)
-    assert run.returncode == 2 and "there is no fleet's store in this folder" in run.stderr
+    assert run.returncode == 2 and "this folder has no fleet store" in run.stderr
 
 
 def test_siblings_share_the_spread_that_they_were_made_with(plant):

@@ -95,7 +95,7 @@ def everything(store):
 
 
 def test_threads_and_order_of_work_change_no_bit_and_nothing_is_done_twice(plant):
-    assert "0 done now, 11 were there" in denavit("fleet", "run", plant / "plant.csv", "-o", plant / "store")
+    assert "0 done now, 11 done before" in denavit("fleet", "run", plant / "plant.csv", "-o", plant / "store")
     # The last first, and the new ones begun before their siblings are there.
     lines = (plant / "plant.csv").read_text().splitlines()
     (plant / "turned.csv").write_text("\n".join([lines[0], *reversed(lines[1:])]) + "\n")
@@ -106,7 +106,7 @@ def test_threads_and_order_of_work_change_no_bit_and_nothing_is_done_twice(plant
 def test_the_manifest_does_what_the_two_commands_do(plant):
     prior = plant / "prior.json"
     said = denavit("fleet", "siblings", plant / "store", "--prior-out", prior, codes=(0, 1))
-    assert f"{SIBLINGS} robots that are drawn as" in said
+    assert f"{SIBLINGS} robots with the drawing" in said
     assert json.loads(prior.read_text())["schema"] == "denavit.prior/1"
     for robot in range(NEW):
         data = ["--data", plant / f"new-{robot}.csv", "--test", plant / f"test-{robot}.csv", "--effects", "none"]
@@ -177,9 +177,9 @@ def test_few_siblings_are_a_row_with_its_error(plant, tmp_path):
     found = duckdb.sql(f"select serial, error from '{tmp_path}/store/runs/*.parquet' where not ok").fetchall()
     assert [serial for serial, _ in found] == ["NEW-2"] and "fewer than 3 other robots" in found[0][1]
     said = denavit("fleet", "siblings", tmp_path / "store", "--prior-out", tmp_path / "p.json", codes=(2,))
-    assert "fewer than 3 robots that are drawn as" in said and not (tmp_path / "p.json").exists()
+    assert "fewer than 3 robots with the drawing" in said and not (tmp_path / "p.json").exists()
     said = denavit("fleet", "siblings", tmp_path / "store", "--without", "SN-9", "--prior-out", tmp_path / "p.json", codes=(2,))
-    assert 'no robot "SN-9" was calibrated by itself' in said
+    assert 'no robot "SN-9" was calibrated on its own' in said
 
 
 def test_a_store_without_the_later_tables_is_read(plant, tmp_path):
@@ -190,13 +190,13 @@ def test_a_store_without_the_later_tables_is_read(plant, tmp_path):
     assert "outliers at a false discovery rate" in denavit("fleet", "siblings", old, codes=(0, 1))
     assert "0 robots watched" in denavit("fleet", "watch", old)
     said = denavit("fleet", "siblings", old, "--prior-out", tmp_path / "p.json", codes=(2,))
-    assert "no robot was calibrated by itself since this version; run the manifest again" in said
+    assert "no robot was calibrated on its own since this version; run the manifest again" in said
 
 
 def test_a_prior_is_of_calibrations_alone(plant, tmp_path):
     (tmp_path / "plant.csv").write_text(f"serial,robot,prior\nA,{ROBOT},siblings\n")
     said = denavit("fleet", "run", tmp_path / "plant.csv", "-o", tmp_path / "store", codes=(2,))
-    assert "plant.csv:2: prior is of the task calibrate, and this is table" in said
+    assert "plant.csv:2: only the task calibrate has a prior, but this is table" in said
 
 
 BAXTER = built.WORKSPACE / "robots/rethink/baxter.urdf"
@@ -216,16 +216,16 @@ def test_each_arm_of_a_robot_has_siblings_of_its_own(tmp_path):
             lines.append(f"B-{robot},{BAXTER},{hand},{data.name},2026-11-0{day},{'siblings' if few else ''},none")
     (tmp_path / "plant.csv").write_text("\n".join(lines) + "\n")
     store = tmp_path / "store"
-    assert "10 done now, 0 were there, 0 failed" in denavit("fleet", "run", tmp_path / "plant.csv", "-o", store)
+    assert "10 done now, 0 done before, 0 failed" in denavit("fleet", "run", tmp_path / "plant.csv", "-o", store)
     said = denavit("fleet", "siblings", store, "--prior-out", tmp_path / "none.json", codes=(2,))
-    assert "was calibrated to left_hand and to right_hand; choose one by --tip" in said
+    assert "was calibrated to left_hand and to right_hand; choose one with --tip" in said
     said = denavit("fleet", "siblings", store, "--tip", "hand", "--prior-out", tmp_path / "none.json", codes=(2,))
-    assert "no robot was calibrated by itself to hand; there are left_hand, right_hand" in said
+    assert "no robot was calibrated on its own to hand; the store has left_hand, right_hand" in said
     assert not (tmp_path / "none.json").exists()
     for hand in HANDS:
         prior = tmp_path / f"{hand}.json"
         said = denavit("fleet", "siblings", store, "--tip", hand, "--prior-out", prior, codes=(0, 1))
-        assert f"4 robots that are drawn as {BAXTER} to {hand} are in the prior" in said
+        assert f"the prior has 4 robots with the drawing {BAXTER}, to {hand}" in said
         data = ["--tip", hand, "--data", tmp_path / f"4-{hand}.csv", "--effects", "none", "--json"]
         report = json.loads(denavit("calibrate", BAXTER, *data, "--prior", prior))
         found = duckdb.sql(

@@ -1,6 +1,6 @@
-"""Ways back without the sidecar: what a robot is after a way through another format, by `denavit diff --through`.
+"""Round trips through another format without the sidecar, compared by `denavit diff --through`.
 
-`python back.py` prints the counts that docs/formats.md quotes; `python back.py FILE…` prints what is different in each file.
+`python back.py` prints the counts in docs/formats.md; `python back.py FILE…` prints the differences in each file.
 """
 
 import collections
@@ -26,7 +26,7 @@ def run(*arguments):
 
 
 def exported(source, target, to):
-    """Warnings of an export that leaves no sidecar; raises with its message."""
+    """Warnings of an export without a sidecar; raises with its message."""
     fix = ["--fix-inertia"] if to == "mjcf" and source.suffix != ".xml" else []
     done = run("export", source, "--to", to, "-o", target, *fix)
     if done.returncode:
@@ -36,7 +36,7 @@ def exported(source, target, to):
 
 
 def there_and_back(path, own, other, folder):
-    """(verdict, what differs, losses on the way) of a file after a way through another format."""
+    """(verdict, differences, losses) of a file after a round trip through another format."""
     between, back = folder / f"between{ENDING[other]}", folder / f"back{ENDING[own]}"
     lost = exported(path, between, other)
     exported(between, back, own)
@@ -47,7 +47,7 @@ def there_and_back(path, own, other, folder):
 
 
 def kind_of(said, lost):
-    """Why a robot is another one, by the losses that were listed."""
+    """Why the robot differs, by the listed losses."""
     if any("its inertia" in line and "MuJoCo refuses" in line for line in lost):
         return "an inertia that MuJoCo refuses, changed by choice"
     if any("<mimic>" in line for line in lost):

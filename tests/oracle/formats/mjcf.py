@@ -1,11 +1,11 @@
-"""MJCF read and written here, against MuJoCo's own reading of the same MJCF.
+"""MJCF read and written by denavit, compared with MuJoCo's reading of the same MJCF.
 
-`python mjcf.py` prints the counts that docs/formats.md quotes; `python mjcf.py FILE…` prints a line for each file.
+`python mjcf.py` prints the counts in docs/formats.md; `python mjcf.py FILE…` prints a line for each file.
 
-Read: an MJCF becomes a URDF here, and every body and site is where MuJoCo puts it, at random joint values, with the same mass,
-centre and tensor. Written: a URDF becomes an MJCF here, MuJoCo compiles that, and every link of the URDF is where the numpy model
-of `kinematics.py` puts it. Back: that MJCF becomes a URDF again, and `denavit diff` calls both the same. Mesh files need not be
-there: MuJoCo gets a tetrahedron in place of each, and masses that only a mesh states are left out.
+Read: denavit converts an MJCF to a URDF, and every body and site is where MuJoCo puts it, at random joint values, with the same mass,
+centre and tensor. Written: denavit converts a URDF to an MJCF, MuJoCo compiles it, and every link of the URDF is where the numpy model
+of `kinematics.py` puts it. Back: this MJCF becomes a URDF again, and `denavit diff` calls both the same. Mesh files may be
+missing: MuJoCo gets a tetrahedron instead of each, and masses that only a mesh determines are left out.
 """
 
 import collections
@@ -27,9 +27,9 @@ import corpus  # noqa: E402
 from sdf import Urdf  # noqa: E402
 
 VECTORS = 4
-# Of the robot's size; of itself for masses and tensors.
+# Relative to the robot's size; for masses and tensors relative to their own size.
 NEAR = 1e-9
-# What a body gets that moves and has no mass.
+# Mass of a moving body without mass.
 LEAST = 1e-12
 
 
@@ -42,7 +42,7 @@ def denavit(*arguments):
 
 
 def compiled(path):
-    """MuJoCo's model, a tetrahedron in place of each mesh."""
+    """MuJoCo's model, with a tetrahedron instead of each mesh."""
     import mujoco
 
     spec = mujoco.MjSpec.from_file(str(path))
@@ -56,7 +56,7 @@ def compiled(path):
 
 
 class Mujoco:
-    """A compiled model: where its bodies and sites are, what they weigh."""
+    """A compiled model: poses of its bodies and sites, and masses."""
 
     def __init__(self, model):
         import mujoco
@@ -72,7 +72,7 @@ class Mujoco:
             raise ValueError("no joint of the model moves")
 
     def set(self, values):
-        # Balls and free joints stand where the model writes them.
+        # Ball and free joints stay at their values in the model.
         self.data.qpos[:] = self.model.qpos0
         for name, value in values.items():
             self.data.qpos[self.model.jnt_qposadr[self.one[name]]] = value
@@ -107,7 +107,7 @@ def compared(theirs, urdf, rng, stated=None, changed=()):
         own = {name: rng.uniform(-1, 1) for name in drivers}
         values = {name: urdf.value(name, own) if name in urdf.by_name else 0.0 for name in theirs.one}
         for name in values:
-            # A slide that a screw joint of the URDF makes.
+            # A slide that comes from a screw joint of the URDF.
             screw = name.removesuffix("_slide")
             if name not in urdf.by_name and screw in urdf.pitch:
                 values[name] = urdf.value(screw, own) * urdf.pitch[screw]
@@ -156,7 +156,7 @@ def read(path, rng):
 
 
 def losses(lines):
-    """(what, why without names and numbers) of every kind of loss, and the bodies whose inertia was changed."""
+    """(what, reason without names and numbers) of every kind of loss, and the bodies whose inertia was changed."""
     kinds, changed = collections.Counter(), set()
     for line in lines:
         if found := re.match(r'note: lost: .*?:\d+: (\w+ "(?P<name>.*?)"|.*?): (?P<loss>.*)', line):
@@ -169,7 +169,7 @@ def losses(lines):
 
 
 def written(path, folder, rng):
-    """(figures, losses, whether the way back is the same) for one URDF."""
+    """(figures, losses, whether the round trip gives the same robot) for one URDF."""
     out, back, home = folder / "out.xml", folder / "back.urdf", folder / "home.urdf"
     for file in (out, back, home, Path(f"{out}.denavit.json")):
         file.unlink(missing_ok=True)
@@ -199,7 +199,7 @@ def written(path, folder, rng):
 
 
 def models():
-    """MJCF files of others, scenes that only include them left out."""
+    """MJCF files from other sources, without scenes that only include them."""
     folder = Path(os.environ.get("DENAVIT_MJCF", corpus.SHARED / "vendor/mjcf"))
     return [path for path in sorted(folder.rglob("*.xml")) if "<worldbody>" in path.read_text()]
 

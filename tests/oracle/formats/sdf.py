@@ -1,10 +1,10 @@
-"""SDF read and written here, against Drake's reading of the same SDF.
+"""SDF read and written by denavit, compared with Drake's reading of the same SDF.
 
-`python sdf.py` prints the counts that docs/formats.md quotes; `python sdf.py FILE…` prints a line for each file.
+`python sdf.py` prints the counts in docs/formats.md; `python sdf.py FILE…` prints a line for each file.
 
-Read: an SDF becomes a URDF here; every link is where Drake puts it, at joint values 0 and at random ones, with the same mass,
-centre and tensor. Written: a URDF becomes an SDF here, Drake reads that, and every link of the URDF is where the numpy model of
-`kinematics.py` puts it. Shapes, sensors and joints that close loops are taken out of what Drake reads.
+Read: denavit converts an SDF to a URDF; every link is where Drake puts it, at joint values 0 and at random ones, with the same mass,
+centre and tensor. Written: denavit converts a URDF to an SDF, Drake reads it, and every link of the URDF is where the numpy model of
+`kinematics.py` puts it. Shapes, sensors and joints that close loops are removed before Drake reads the file.
 """
 
 import collections
@@ -26,10 +26,10 @@ import corpus  # noqa: E402
 from kinematics import Tree, exp_twist, numbers, rot_x, rot_y, rot_z, translation  # noqa: E402
 
 VECTORS = 4
-# Of the robot's size; of kg and kg·m².
+# Relative to the robot's size; in kg and kg·m².
 NEAR = 1e-9
 DRAKE = "{http://drake.mit.edu}"
-# Nothing of it moves a link.
+# Elements that do not move a link.
 APART = ("visual", "collision", "material", "sensor", "plugin", "gripper", "physics", "surface", "gazebo", "transmission")
 
 
@@ -53,7 +53,7 @@ def without(root, tags):
 
 
 def rotation(origin):
-    """Of an `<origin>`, by its angles or its quaternion."""
+    """Rotation of an `<origin>`, from its angles or its quaternion."""
     if origin is None:
         return np.eye(3)
     if origin.get("quat_xyzw"):
@@ -65,7 +65,7 @@ def rotation(origin):
 
 
 class Urdf:
-    """Links of a URDF: where they are, and what they weigh."""
+    """Poses and masses of the links of a URDF."""
 
     def __init__(self, root):
         self.joints, self.pitch = [], {}
@@ -123,7 +123,7 @@ class Urdf:
 
 
 def physical(mass, tensor):
-    """Whether some body has this tensor: Drake replaces others by its own."""
+    """Whether a body can have this tensor: Drake replaces impossible ones."""
     a, b, c = np.sort(np.linalg.eigvalsh(tensor))
     return mass > 0 and a >= 0 and a + b >= c * (1 - 1e-6)
 
@@ -154,7 +154,7 @@ class Drake:
 
     @staticmethod
     def names(joint):
-        """What the URDF here calls each of a joint's coordinates."""
+        """Names of a joint's coordinates in denavit's URDF."""
         count, name = joint.num_positions(), joint.name()
         ends = {0: [], 1: [""], 2: ["_axis", "_axis2"], 3: ["_x", "_y", "_z"]}.get(count, [])
         return [name + end for end in ends]
@@ -186,7 +186,7 @@ class Drake:
 
 
 def compared(drake, urdf, names, rng):
-    """(poses, largest pose difference over size, size, largest inertia difference, links of no physical tensor)."""
+    """(poses, largest pose difference over size, size, largest inertia difference, links without a physical tensor)."""
     worst, size, count = 0.0, 0.1, 0
     coordinates = [name for joint in drake.joints for name in drake.names(joint)]
     for turn in range(1 + VECTORS):
@@ -233,7 +233,7 @@ def of_sdf(path):
         if name in loops or joint.get("type") == "gearbox":
             joint.getparent().remove(joint)
         elif name in links:
-            # Old files call links and joints the same, which Drake refuses.
+            # Old files use the same name for a link and a joint, which Drake refuses.
             joint.set("name", f"{name}__joint")
             names[f"{name}__joint"] = name
     result = compared(Drake(etree.tostring(root).decode()), Urdf(tree), names, np.random.default_rng(0))
@@ -246,10 +246,10 @@ def joints_of(path):
 
 
 def of_urdf(path):
-    """A URDF written as SDF: Drake's reading of that against numpy's of the URDF; and the losses."""
+    """A URDF written as SDF: Drake's reading of it against numpy's of the URDF; and the losses."""
     sdf, losses = converted("urdf_to_sdf", path)
     root = etree.fromstring(sdf.encode())
-    # A robot called as one of Drake's own is no matter of the conversion.
+    # A robot with the name of one of Drake's own does not matter for the conversion.
     without(root, APART)
     original = etree.parse(str(path)).getroot()
     urdf = Urdf(original)
@@ -263,13 +263,13 @@ def of_urdf(path):
 
 
 def kind_of(loss):
-    """A loss without its place and names."""
+    """A loss without its location and names."""
     what = re.sub(r"^.*?:\d+: ", "", loss)
     # The element that it stands in, twice where it is lost itself.
     what = re.sub(r'^(?:(?:link|joint) "[^"]*"|<[^>]*>(?: in gazebo[^:]*)?|\S+(?: of)? "[^"]*"|\S+): ', "", what)
     what = re.sub(r'"[^"]*"', "…", what)
     what = re.sub(r"<[^>]*> in gazebo[^:]*", "word of URDF's own in <gazebo>", what)
-    return re.sub(r":? (SDF has no|it is a word|names of|SDF wants).*", "", what)[:90]
+    return re.sub(r":? (SDF has no|it exists only|names of|SDF needs).*", "", what)[:90]
 
 
 def sdf_files():
@@ -283,7 +283,7 @@ def report(out=print):
     for path in sdf_files():
         try:
             read[path] = of_sdf(path)
-        except Exception as error:  # noqa: BLE001 - what refuses is counted with its words.
+        except Exception as error:  # noqa: BLE001 - refusals are counted by their message.
             refused[path] = str(error).replace("\n", " ")[:160]
     out(f"SDF read: {len(read)} of {len(read) + len(refused)} files compared with Drake")
     if read:

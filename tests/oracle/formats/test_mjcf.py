@@ -1,4 +1,4 @@
-"""MJCF against MuJoCo: our own robots there and back, and the models of others where they are at hand."""
+"""MJCF compared with MuJoCo: round trips of our own robots, and models from other sources, if available."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_models_of_others_are_read_as_mujoco_reads_them():
         if "<body" not in path.read_text() and "<include" not in path.read_text():
             continue
         if path.name == "filtered_cartesian_actuators.xml":
-            # A part without bodies of its own.
+            # A file without bodies of its own.
             continue
         frames, apart, _, heavy = mjcf.read(path, np.random.default_rng(0))
         assert frames > 0 and apart <= mjcf.NEAR and heavy <= mjcf.NEAR, path

@@ -1,4 +1,4 @@
-"""SDF read and written here against Drake; what is printed by `sdf.py` is asserted here on a few files."""
+"""SDF read and written by denavit, compared with Drake: asserts on a few files what `sdf.py` prints."""
 
 import math
 import re
@@ -24,7 +24,7 @@ def built(name):
 
 @pytest.mark.parametrize("pitch", ["<screw_thread_pitch>0.012</screw_thread_pitch>", "<thread_pitch>3141.6</thread_pitch>", ""])
 def test_pitch_of_screw_joints(tmp_path, pitch):
-    """The pitch in m per rad is screw_thread_pitch/2π = -1/thread_pitch; 1 m per turn where neither is stated."""
+    """The pitch in m per rad is screw_thread_pitch/2π = -1/thread_pitch; 1 m per turn if neither is stated."""
     built("sdf_to_urdf")
     text = f"""<sdf version="1.11"><model name="m"><link name="a"/><link name="b"/><joint name="s" type="screw">
         <parent>a</parent><child>b</child>{pitch}<axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"""

@@ -1,4 +1,4 @@
-"""The explorer in headless Chromium, and what its tests share."""
+"""The explorer in headless Chromium, and the helpers of its tests."""
 
 import io
 import json
@@ -22,13 +22,13 @@ ROBOTS = WORKSPACE / "robots"
 VENDOR = WORKSPACE.parent / "shared/vendor"
 SHOTS = WORKSPACE / "target/tests/explorer"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-# WebGL is drawn by SwiftShader, the page itself by the processor at once: by SwiftShader it takes twice as long.
+# SwiftShader draws WebGL, and the processor draws the page directly: with SwiftShader that takes twice as long.
 FLAGS = """--no-sandbox --disable-gpu-compositing --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
 --use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
 LARGE = tempfile.TemporaryDirectory()
 DESKTOP = {"width": 1360, "height": 860}
 PHONE = {"width": 360, "height": 740}
-# The machine may be busy: what does not come in a minute does not come.
+# The machine may be busy: wait for up to a minute.
 expect.set_options(timeout=60_000)
 UR5E = ROBOTS / "universal_robots/ur5e.urdf"
 
@@ -48,7 +48,7 @@ def browser():
 
 @pytest.fixture
 def explorer(browser):
-    """Opens the explorer; at the end it must have asked for nothing but itself, and have written nothing to the console."""
+    """Opens the explorer; at the end it must have requested only itself, and have written nothing to the console."""
     console, asked, contexts = [], [], []
 
     def open_page(address=PAGE.as_uri(), size=DESKTOP, theme="light"):
@@ -64,7 +64,7 @@ def explorer(browser):
         return page
 
     yield open_page
-    # What the graphics emulation says of itself, and a library of a mesh file's version and axes, is no word of the page.
+    # Messages of the graphics emulation, and of a library on a mesh file's version and axes, are not the page's.
     others = ("GPU stall", "GL Driver", "THREE.ColladaLoader: ")
     said = [words for words in console if not any(other in words for other in others)]
     assert said == [], said
@@ -78,7 +78,7 @@ def explorer(browser):
 def cli(*arguments, codes=(0,)):
     done = subprocess.run([denavit(), *map(str, arguments)], capture_output=True, text=True, cwd=WORKSPACE)
     assert done.returncode in codes, done.stderr
-    # The page knows files by their names alone.
+    # The page knows only the names of files.
     for argument in arguments:
         if isinstance(argument, Path):
             done.stdout = done.stdout.replace(str(argument), argument.name)
@@ -91,7 +91,7 @@ def drop(page, *files):
 
 
 def chosen(file):
-    """As Playwright takes it; what is large is a file, which Chromium reads by itself: 33 MB in a message take half a minute."""
+    """In Playwright's form; large contents become a file, which Chromium reads by itself: 33 MB in a message take half a minute."""
     if isinstance(file, Path):
         return str(file)
     name, content = file
@@ -108,7 +108,7 @@ def drop_robot(page, *files):
 
 
 def drawn(page):
-    """Waits until what was asked for has been drawn: a frame that was asked for before this one, and this one."""
+    """Waits until the requested change has been drawn: the frame requested before this one, and this one."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
@@ -119,7 +119,7 @@ def downloaded(page, selector):
 
 
 def same(found, expected, tolerance=0.0, path=""):
-    """Two documents, number by number."""
+    """Compares two documents, number by number."""
     if isinstance(expected, dict):
         assert isinstance(found, dict) and found.keys() == expected.keys(), path
         for key in expected:
@@ -165,7 +165,7 @@ def shot(page, name):
 
 @pytest.fixture(scope="module")
 def with_page():
-    """Skips where the binary has no page inside."""
+    """Skips if the binary contains no page."""
     asked = subprocess.run([denavit(), "explore", str(UR5E), "-o", "-"], capture_output=True, text=True)
     assert asked.returncode == 0, asked.stderr
     if "the explorer is not installed" in asked.stderr:

@@ -1,5 +1,5 @@
-"""The explorer in headless Chromium, used by clicking as a user would: it asks the network for nothing, its numbers are those
-of the command line's JSON, hostile names and archives do nothing, and it fits a phone.
+"""The explorer in headless Chromium, used by clicking like a user: it makes no network requests, its numbers are those
+of the command line's JSON, hostile names and archives have no effect, and it fits a phone.
 
 web/build makes the page; screenshots of every panel in both themes and widths go to target/tests/explorer.
 """
@@ -40,7 +40,7 @@ def test_every_own_robot_has_the_table_of_the_command_line(explorer):
         drop(page, WORKSPACE / robot)
         page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=robot.name)
         expected = json.loads(cli("table", robot, "--json"))
-        # Text of sine and cosine differs by a unit in the last place between the platforms' mathematics.
+        # Sines and cosines differ in the last place between the platforms' libraries.
         same(without(table_of(page), "source"), without(expected, "source"), 1e-13)
     print(f"{len(OWN)} robots")
 
@@ -104,7 +104,7 @@ def test_sliders_move_picture_and_tip_to_where_forward_kinematics_says(explorer)
             }"""
         )
         same([seen[column * 4 + row] for row in range(3) for column in range(4)], [expected[row][column] for row in range(3) for column in range(4)], 1e-12)
-        # The rows of the table, multiplied in the page, end there, too.
+        # The product of the rows of the table, computed in the page, gives the same pose.
         end = page.evaluate("() => { const app = window.denavit.app; return window.denavit.placed(app.table, (name) => app.value(name)).at(-1).to.elements; }")
         same([end[column * 4 + row] for row in range(3) for column in range(4)], [expected[row][column] for row in range(3) for column in range(4)], 1e-12)
 
@@ -244,7 +244,7 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     drop_robot(page, UR5E)
     drop(page, data)
     expect(page.locator("#data")).to_have_text("ur5e_tracker.csv")
-    # Whoever clicks while a file is still being read means that file too.
+    # A click while a file is still being read includes that file.
     page.evaluate(SLOW_TO_READ)
     drop(page, later)
     page.click("#calibrate")
@@ -254,8 +254,8 @@ def test_calibration_is_that_of_the_command_line(explorer, tmp_path):
     found = json.loads(page.locator("#report").get_attribute("data-json"))
     file = tmp_path / "report.json"
     cli("calibrate", UR5E, "--data", data, "--test", later, "--json", file)
-    # Sums are taken in another order by one thread than by several.
-    # The page knows no files and no day.
+    # One thread adds in another order than several.
+    # The page knows no files and no date.
     same(without(found, "origin"), without(json.loads(file.read_text()), "origin"), 1e-5)
     assert page.locator("#effects-found li").count() == len(found["effects"]) >= 1
     said = page.locator("#effects-found").inner_text()
@@ -306,7 +306,7 @@ def test_learn_derives_the_table_and_comes_back_to_the_tip(explorer):
 
 
 def moved_by(page, by):
-    """Moves the six sliders of the twist and waits for what becomes of it."""
+    """Moves the six sliders of the twist and waits for the result."""
     for at, value in enumerate(by):
         page.locator(f'input[data-twist="{at}"]').evaluate("(it, value) => { it.value = value; it.dispatchEvent(new Event('input')); }", value)
     page.wait_for_function("by => { const shown = JSON.parse(document.querySelector('#twist-numbers')?.dataset.by ?? '[]'); return shown.length === by.length && shown.every((it, at) => Math.abs(it - by[at]) < 1e-12); }", arg=by)
@@ -376,7 +376,7 @@ def test_the_papers_calibrated_robot_is_shown_although_no_urdf_can_say_it(explor
     drop_robot(page, ROBOTS / "unimation/puma560_actual_poe.csv")
     assert page.evaluate("() => window.denavit.app.robot.opened.scene.joints.filter((it) => it.driver !== null && it.scale !== 1).length") >= 6
     page.click("#canonical")
-    complains(page, "which URDF cannot say")
+    complains(page, "which URDF cannot express")
     page.click("#tab-Learn")
     page.locator(".steps button", has_text="And back").click()
     assert float(page.get_attribute("#roundtrip", "data-apart")) < 1e-12
@@ -440,7 +440,7 @@ def test_hostile_archives_and_files_get_one_sentence(explorer):
     deep = "<a>" * 200_000
     drop(page, ("deep.urdf", f"<robot name='a'>{deep}</robot>".encode()))
     complains(page, re.compile("deep.urdf|the engine stopped"))
-    # After all of this it still works.
+    # Afterwards it still works.
     drop_robot(page, UR5E)
     assert page.locator("#dh tbody tr").count() == 8
 
@@ -477,7 +477,7 @@ def test_a_link_holds_the_robot_and_its_posture(explorer):
 
 def test_a_robot_too_large_for_a_link_is_said_to_be(explorer):
     page = explorer()
-    # Digits that do not pack.
+    # Digits that do not compress.
     noise = "".join(f"<!-- {hash((k, 'x')) & 0xFFFFFFFFFFFFFFFF:016x} -->" for k in range(12_000))
     drop_robot(page, ("large.urdf", UR5E.read_text().replace("</robot>", f"{noise}</robot>").encode()))
     page.click("#link")
@@ -588,8 +588,8 @@ def test_explore_serves_the_page_to_this_machine(with_page, explorer):
 
 
 def first_paint(page):
-    """When the first contents were painted, ms after the page was asked for."""
-    # The entry comes after the frame that it tells of, and in some headless builds not at all: then the second frame from
+    """When the first contents were painted, ms after the page was requested."""
+    # The entry comes after its frame, and in some headless builds not at all: then the second frame from
     # here stands for it, which is never earlier.
     return page.evaluate(
         """() => new Promise((resolve) => {
@@ -610,7 +610,7 @@ def test_first_paint_comes_within_a_second_of_an_empty_page(explorer, tmp_path):
     nothing = min(first_paint(explorer(empty.as_uri())) for _ in range(2))
     painted = min(first_paint(explorer()) for _ in range(2))
     print(f"first paint after {painted:.0f} ms, {nothing:.0f} ms of an empty page; {PAGE.stat().st_size / 2**20:.1f} MiB")
-    # On a busy machine all takes longer: the empty page says by how much.
+    # On a busy machine everything takes longer: the empty page measures by how much.
     assert painted < 1000 + 4 * nothing
 
 

@@ -15,7 +15,7 @@ pytestmark = needs_page
 
 
 def drag(page, *paths, at=(400, 400)):
-    """Drags files from outside of the browser onto the page and lets go."""
+    """Drags files from outside the browser onto the page and drops them."""
     devtools = page.context.new_cdp_session(page)
     data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
     for kind in ("dragEnter", "dragOver", "drop"):
@@ -46,14 +46,14 @@ def served():
 
 @pytest.fixture(params=["disk", "server", "notebook"])
 def opened(request, explorer, served, tmp_path):
-    """The page, and the frame in it that is the explorer."""
+    """The page, and the frame with the explorer in it."""
     if request.param == "disk":
         page = explorer()
         return page, page.main_frame
     if request.param == "server":
         page = explorer(served)
         return page, page.main_frame
-    # As denavit.View shows itself in a cell.
+    # Like denavit.View in a cell.
     inner = html.escape(PAGE.read_text(encoding="utf-8"), quote=True)
     notebook = tmp_path / "notebook.html"
     frame = f'<iframe style="width:100%;height:800px" sandbox="allow-scripts allow-downloads" srcdoc="{inner}"></iframe>'
@@ -84,10 +84,10 @@ def test_a_dragged_folder_opens_with_its_meshes(opened, tmp_path):
     drag(page, write(tmp_path, ARM) / "ws")
     expect(frame.locator("#dh tbody tr").first).to_be_visible()
     assert frame.evaluate("() => window.denavit.app.view.missing") == []
-    # What is drawn is not said to be missing, although the folder is called otherwise than its package.
+    # No message calls a drawn mesh missing, although the folder and its package have different names.
     expect(frame.locator("#download-urdf, #clean")).to_have_count(1)
     said = frame.locator(".finding summary").all_inner_texts()
-    assert not any("is not there" in words or "base.stl" in words for words in said), said
+    assert not any("not found" in words or "base.stl" in words for words in said), said
 
 
 def test_files_and_folders_and_archives_are_dragged_together(explorer, tmp_path):
@@ -109,16 +109,16 @@ def test_two_dragged_files_are_compared(explorer, tmp_path):
 @pytest.mark.parametrize(
     ("files", "names", "missing"),
     [
-        # In the package of that name, and not in the one that comes first.
+        # From the package of that name, and not from the first one.
         ({"a/package.xml": package("other"), "a/meshes/base.stl": b"x", "b/package.xml": package("arm"), "b/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
-        # The package was dropped, and has no such file: another robot's mesh is not shown instead.
+        # The dropped package has no such file: another robot's mesh is not shown instead.
         ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary(), "b/package.xml": package("arm")}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
         ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
         # No package.xml at all: the longest common end of the path.
         ({"x/low/base.stl": b"broken", "x/high/base.stl": stl_binary()}, ["package://arm/meshes/high/base.stl"], []),
         ({"base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
         ({"meshes/base.stl": stl_binary()}, ["file:///home/somebody/ws/arm/meshes/base.stl"], []),
-        # Two that are as near as each other: neither is chosen.
+        # Two equally good candidates: neither is chosen.
         ({"x/base.stl": stl_binary(), "y/base.stl": b"\1" + stl_binary()[1:]}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
     ],
     ids=["by name", "not there", "of another", "longest end", "bare", "file", "two alike"],
@@ -168,7 +168,7 @@ def test_models_that_include_others_are_dragged_with_them(model, explorer, tmp_p
     page = explorer()
     drag(page, write(tmp_path, INCLUDING[model]) / "top")
     expect(page.locator("#dh tbody tr").first).to_be_visible()
-    # What is asked later goes without the files beside.
+    # Later requests do not include the files beside.
     for tab in page.get_by_role("tab").all():
         tab.click()
         expect(page.locator(".said.wrong")).to_have_count(0)

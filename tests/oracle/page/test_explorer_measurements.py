@@ -1,4 +1,4 @@
-"""Calibration in the explorer: columns that are asked about, effects that look as sure as they are."""
+"""Calibration in the explorer: questions about columns, and effects whose display shows how certain they are."""
 
 import csv
 import json
@@ -39,7 +39,7 @@ def test_a_list_of_anything_in_the_calibrate_panel_is_asked_about_and_not_taken_
 
 
 def export(width):
-    """The tracker's file as another program would write it: other names, mm and degrees, semicolons, a column for nobody."""
+    """The tracker's file as from another program: other names, mm and degrees, semicolons, an unused column."""
     rows = list(csv.DictReader(line for line in TRACKER.read_text().splitlines() if not line.startswith("#")))
     joints = [name for name in rows[0] if name.endswith("_joint")]
     header = [*(f"J{k + 1}" for k in range(6)), "T_x [mm]", "T_y [mm]", "T_z [mm]", "remark"]
@@ -57,7 +57,7 @@ def test_unclear_columns_are_asked_about_one_by_one(size, theme, explorer, tmp_p
     data.write_text(export(60).replace("J3;", "elbow angle;"))
     page.click("#tab-Calibrate")
     drop(page, data)
-    # A joint is missing: the form stands open and says so.
+    # A joint is missing: the form is open and says so.
     expect(page.locator("#columns")).to_have_attribute("open", "")
     expect(page.locator("#columns-verdict")).to_contain_text("elbow_joint")
     expect(page.locator("#columns-verdict")).to_have_class("wrong")
@@ -68,7 +68,7 @@ def test_unclear_columns_are_asked_about_one_by_one(size, theme, explorer, tmp_p
     page.select_option("#data-units", "mm,deg")
     expect(page.locator("#columns-verdict")).to_contain_text("60 rows are read")
     page.locator("#columns-table").scroll_into_view_if_needed()
-    # What is asked can be answered without scrolling sideways.
+    # All questions can be answered without scrolling sideways.
     table, asked = (page.locator(it).bounding_box() for it in ("#columns .scroll", "#column-2"))
     assert asked["x"] + asked["width"] <= table["x"] + table["width"] + 1
     shot(page, f"columns-{size['width']}-{theme}")
@@ -80,7 +80,7 @@ def test_unclear_columns_are_asked_about_one_by_one(size, theme, explorer, tmp_p
     map_file.write_text(downloaded(page, "#columns-file")[0])
     expected = tmp_path / "report.json"
     cli("calibrate", UR5E, "--data", data, "--columns", map_file, "--units", "mm,deg", "--effects", "none", "--json", expected)
-    # The page knows no files and no day.
+    # The page knows no files and no date.
     same(without(found, "origin"), without(json.loads(expected.read_text()), "origin"), 1e-5)
 
 
@@ -129,7 +129,7 @@ def test_effects_look_as_sure_as_they_are(explorer):
     assert [effect["kind"] for effect in report["effects"]] == ["joint_compliance"] and "one_of" not in report
     named = page.locator("#effects-found .named")
     expect(named).to_have_count(1)
-    # The sentences are those of the command line's report, heading, effects and ending.
+    # The sentences are those of the command line's report: heading, effects and end.
     lines = [line.strip() for line in page.locator("#report").text_content().splitlines()]
     shown = page.locator("#effects").inner_text()
     for words in (page.locator("#effects-heading").inner_text(), named.locator("b").inner_text(), page.locator("#effects > p").last.inner_text()):
@@ -142,7 +142,7 @@ def test_effects_look_as_sure_as_they_are(explorer):
     assert page.locator("#effects-found .open, #unnamed").count() == 0 and "No unexplained structure" in shown
     page.locator("#effects").scroll_into_view_if_needed()
     shot(page, "effects-light")
-    # The same effect, less sure, and unexplained structure: shown by the page's own hand, and otherwise than a named one.
+    # The same effect, less certain, and unexplained structure: the page itself draws it, and differently from a named one.
     unsure = {"title": "one of: joint_compliance at shoulder_lift_joint (60 %), link_compliance at elbow_joint (30 %)", "named": False, "numbers": ["coefficient 1"], "why": "corrected for, not named"}
     said = {"heading": "no cause is certain enough to be named, of 9 candidates", "effects": [{"said": unsure, "probability": 0.6}], "structured": True, "ending": "unexplained structure (p 1.0e-4): wrist_1_joint 40 %"}
     page.evaluate("said => document.getElementById('effects').replaceWith(window.denavit.effects(said))", said)

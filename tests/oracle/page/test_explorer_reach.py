@@ -1,4 +1,4 @@
-"""The tip dragged in the page: the posture follows on its branch, ghosts are the other solutions of `denavit ik`, and where no posture reaches is said."""
+"""The tip dragged in the page: the posture follows on its branch, ghosts are the other solutions of `denavit ik`, and unreachable poses are reported."""
 
 import json
 import math
@@ -39,13 +39,13 @@ def begin(page, robot=UR5E, values=POSTURE):
 
 
 def settled(page):
-    """Waits until every question was answered, and what came of it is drawn."""
+    """Waits until every question was answered, and the results are drawn."""
     page.wait_for_function("() => window.denavit.reach.settled")
     drawn(page)
 
 
 def drag(page, *steps):
-    """Takes the middle of the handle and goes by these steps, in pixels; the button stays down."""
+    """Grabs the middle of the handle and moves by these steps, in pixels; the button stays down."""
     x, y = page.evaluate(AT)
     page.mouse.move(x, y)
     page.mouse.down()
@@ -55,7 +55,7 @@ def drag(page, *steps):
 
 
 def solutions(found, near):
-    """What the command line has for a pose of the tip."""
+    """The command line's solutions for a pose of the tip."""
     matrix = np.array(found["tip"]).reshape(4, 4).T
     roll, pitch = math.atan2(matrix[2, 1], matrix[2, 2]), math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))
     numbers = [*matrix[:3, 3], roll, pitch, math.atan2(matrix[1, 0], matrix[0, 0])]
@@ -76,12 +76,12 @@ def test_the_posture_follows_the_tip_on_its_branch(explorer):
     moved = np.subtract(after["tip"], before["tip"])
     assert np.linalg.norm(moved[12:15]) > 0.02
     assert np.abs(moved[:12]).max() < 1e-6, "moved, not turned"
-    # The view's own kinematics is where the handle was dragged to.
+    # The tip by the view's own kinematics is where the handle was dragged to.
     wanted = json.loads(page.get_attribute("#reach", "data-wanted"))
     assert np.abs(np.subtract(after["tip"], wanted)).max() < 1e-8
     assert 0 < np.abs(np.subtract(after["q"], before["q"])).max() < 0.5
     assert page.locator("#branch option").first.text_content() == branch
-    # The sliders and the line of the tip are those of the posture.
+    # The sliders and the line of the tip show the posture.
     page.wait_for_function("q => JSON.parse(document.getElementById('tip').dataset.q).elbow_joint === q", arg=after["q"][2])
     print("milliseconds that the engine took for the last answer:", page.get_attribute("#reach", "data-took"))
 
@@ -95,7 +95,7 @@ def test_ghosts_are_the_other_solutions_and_a_click_takes_one(explorer):
     told = page.locator("#branch option").all_text_contents()
     assert sorted(told) == sorted(solution["branch"] for solution in found)
     shot(page, "ghosts")
-    # A place off the handle, and not at an edge, where one of the ghosts is seen before all else.
+    # A point away from the handle and from the edges, where a ghost is in front of everything else.
     spot = page.evaluate(
         """([tipX, tipY]) => {
           const { view } = window.denavit.app;
@@ -120,10 +120,10 @@ def test_ghosts_are_the_other_solutions_and_a_click_takes_one(explorer):
     assert np.abs(np.subtract(after["tip"], before["tip"])).max() < 1e-8
     assert page.locator("#branch option").first.text_content() == told[ghost + 1]
     joints = next(solution["joints"] for solution in found if solution["branch"] == told[ghost + 1])
-    # The same turn of each joint; `near` is another one now.
+    # The same turns of each joint; `near` is another posture now.
     turns = np.subtract(after["q"], list(joints.values())) / math.tau
     assert np.abs(turns - np.round(turns)).max() < 1e-8
-    # The box does what a click on a ghost does.
+    # The box has the effect of a click on a ghost.
     page.select_option("#branch", label=told[0])
     settled(page)
     back = page.evaluate(STATE)
@@ -138,7 +138,7 @@ def test_the_tip_can_be_turned_and_typed(explorer):
     begin(page)
     before = page.evaluate(STATE)
     page.click("#turning")
-    # The outer ring turns about the line of sight: it is met somewhere beside the middle.
+    # The outer ring turns about the line of sight: search for it beside the middle.
     x, y = page.evaluate(AT)
     for radius in range(20, 130, 4):
         page.mouse.move(x + radius, y)
@@ -155,7 +155,7 @@ def test_the_tip_can_be_turned_and_typed(explorer):
     assert np.abs(np.subtract(turned["tip"], before["tip"])[12:15]).max() < 1e-8
     assert np.abs(np.subtract(turned["tip"], before["tip"])[:11]).max() > 0.05
     shot(page, "turned")
-    # Typed in millimetres and degrees, as `denavit ik` reads them.
+    # Typed in millimetres and degrees, in the form that `denavit ik` reads.
     for name, value in (("x", "300"), ("y", "-250,5"), ("z", "420"), ("roll", "180"), ("pitch", "0"), ("yaw", "30")):
         field = page.locator(f'[data-pose="{name}"]')
         field.fill(value)
@@ -181,11 +181,11 @@ def test_what_no_posture_reaches_is_said(explorer):
     field.fill("abc")
     field.press("Enter")
     expect(page.locator("#reached")).to_have_text("x takes a number")
-    # A joint that is moved by hand takes the handle with it.
+    # The handle follows a joint that is moved by hand.
     pose(page, {"elbow_joint": 1.0})
     settled(page)
     expect(page.locator("#reach")).to_have_attribute("data-state", "reached")
-    # Where the branch that it is on ends, the nearest other one is taken, and that is said.
+    # At the end of the branch the nearest other one is used, and the page says so.
     start, joint, rest = UR5E.read_text().partition('<joint name="elbow_joint"')
     bent = start + joint + rest.replace('lower="-6.283185307179586" upper="6.283185307179586"', 'lower="0.9" upper="1.4"', 1)
     page.click("#drag")
@@ -197,7 +197,7 @@ def test_what_no_posture_reaches_is_said(explorer):
     field.press("Enter")
     settled(page)
     expect(page.locator("#reached")).to_contain_text("Another branch now: back, elbow up, wrist not flipped. 1 other posture reaches this pose")
-    # Within limits nothing reaches it: named are the joints that would have to leave them.
+    # No posture within limits reaches it: the page names the joints that would have to exceed theirs.
     wide = 'lower="-6.283185307179586" upper="6.283185307179586"'
     pan, lift, elbow, rest = UR5E.read_text().split(wide, 3)
     tight = f'{pan}lower="0" upper="1.2"{lift}{wide}{elbow}lower="0.9" upper="1.4"{rest}'

@@ -1,4 +1,4 @@
-"""What the explorer shows is what it says it shows: never a former robot's rows, another chain's name, or half a number."""
+"""The explorer shows the current data: never a previous robot's rows, another chain's name, or half a number."""
 
 import math
 import struct
@@ -129,7 +129,7 @@ def test_collision_inertia_centres_axes_and_frames_are_shown_on_demand(explorer)
 
 
 def test_a_box_of_inertia_is_the_box_that_has_it(explorer):
-    # A solid box of 2 kg, 0.3 by 0.2 by 0.1 m, turned about z by a quarter.
+    # A solid box of 2 kg, 0.3 by 0.2 by 0.1 m, turned about z by a quarter turn.
     moments = [2 * (0.2**2 + 0.1**2) / 12, 2 * (0.3**2 + 0.1**2) / 12, 2 * (0.3**2 + 0.2**2) / 12]
     inertia = f'<inertia ixx="{moments[1]!r}" iyy="{moments[0]!r}" izz="{moments[2]!r}" ixy="0" ixz="0" iyz="0"/>'
     text = f"""<robot name="box"><link name="a"/><link name="b"><inertial><origin xyz="0.1 0 0.5"/><mass value="2"/>{inertia}</inertial>

@@ -37,7 +37,7 @@ def test_named_postures_of_an_srdf_move_the_robot(explorer):
     page.select_option("#posture", "0")
     assert page.evaluate(VALUE, "elbow_joint") == 1.25 and page.evaluate(VALUE, "shoulder_lift_joint") == -1.5
     expect(page.locator(".said")).to_contain_text("finger")
-    # Another robot has none of them; an SRDF beside it can come later.
+    # Another robot has none of them; an SRDF can be added later.
     drop_robot(page, ROBOTS / "kuka/iiwa14.urdf")
     expect(page.locator("#posture")).to_have_count(0)
     drop(page, ("empty.srdf", b'<robot name="iiwa"/>'))
@@ -45,7 +45,7 @@ def test_named_postures_of_an_srdf_move_the_robot(explorer):
 
 
 def test_what_denavit_ik_writes_can_be_played(explorer):
-    # As `denavit ik --all` writes it.
+    # In the form of `denavit ik --all`.
     rows = [dict(zip(JOINTS, (10.0 * k, -30.5 - k, 90.0, -45.25, k, 1.5), strict=True)) for k in range(5)]
     lines = [f'{k + 1},1,{",".join(str(row[joint]) for joint in JOINTS)},reached,"front, elbow up, wrist not flipped"' for k, row in enumerate(rows)]
     text = "\n".join(["# base → tool0: closed form", "# units: m,deg", f"line,solution,{','.join(JOINTS)},state,branch", *lines, ""])
@@ -90,7 +90,7 @@ def test_the_picture_can_be_kept_as_svg(explorer):
 
 
 def screen(page, point):
-    """Where a point of the root's frame is on the screen."""
+    """Screen position of a point in the root's frame."""
     return page.evaluate(
         """([x, y, z]) => {
           const { view } = window.denavit.app;
@@ -234,7 +234,7 @@ def test_an_edit_says_its_proof_and_gives_the_file_of_the_command_line(explorer,
     page.click("#tab-Edit")
     expect(page.locator("#operation option").first).to_have_text("flip")
     offered = page.locator("#operation option").all_text_contents()
-    # Every operation of the program but those that need files which a page has not.
+    # Every operation of the program except those that need files that a page does not have.
     refused = subprocess.run([denavit(), "edit", UR5E, "nothing", "-o", tmp_path / "none.urdf"], capture_output=True, text=True)
     known = re.search(r"there are (.*)", refused.stderr)[1].split(", ")
     assert [*offered] == [name for name in known if name not in ("set-calibration", "simplify-collision", "meshes")]
@@ -266,11 +266,11 @@ def test_an_edit_says_its_proof_and_gives_the_file_of_the_command_line(explorer,
         shot(page, f"edit-{name}")
     page.click("#seen-before")
     assert page.evaluate(shapes) == [True, False]
-    # What cannot be done says why, and nothing is drawn of it.
+    # An impossible edit gives the reason, and nothing is drawn.
     page.select_option("#operation", "cut")
     page.select_option("#edit-link", "base")
     page.click("#edit")
-    expect(page.locator("#refused")).to_contain_text("it is the root, so nothing would be left")
+    expect(page.locator("#refused")).to_contain_text("it is the root, so nothing would remain")
     expect(page.locator("#proof")).to_have_count(0)
     assert page.evaluate(shapes) == [True, False]
     shot(page, "edit-refused")

@@ -1,4 +1,4 @@
-"""The explorer's picture: names that do not lie on each other, meshes of every kind, and the same view in the pages of
+"""The explorer's picture: names that do not overlap, meshes of every kind, and the same view in the pages of
 `denavit doc`.
 """
 
@@ -29,12 +29,12 @@ NAMES = """() => {
 }"""
 
 def names(page):
-    """What is named in the picture, and what lies where it should not, once it is drawn."""
+    """The names in the picture, and the misplaced ones, after it is drawn."""
     page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
     return page.evaluate(NAMES)
 
 
-# An arm, a robot with two, and, where they are there, a hand and a humanoid.
+# An arm, a robot with two arms, and, if available, a hand and a humanoid.
 ON_A_PHONE = [UR5E, ROBOTS / "rethink/baxter.urdf", *sorted(VENDOR.rglob("allegro*right.urdf"))[:1], *sorted(VENDOR.rglob("g1_29dof*.urdf"))[:1]]
 
 
@@ -47,7 +47,7 @@ def test_names_of_frames_lie_beside_each_other_and_every_one_is_seen_when_it_is_
     shot(page, f"names-{robot.stem}-{size['width']}")
     seen = names(page)
     assert seen["troubles"] == [] and len(seen["shown"]) >= 2
-    # From far away there is room for few of them, and still none lies on another.
+    # From far away there is room for few of them, and still none overlap.
     page.focus(".view")
     for _ in range(12):
         page.keyboard.press("-")
@@ -178,7 +178,7 @@ def stl_binary():
 
 
 def obj():
-    # A material file and a texture beside it, which must not be asked for.
+    # A material file and a texture beside it, which must not be requested.
     points = "".join("v {} {} {}\n".format(*point) for point in POINTS)
     return ("mtllib http://127.0.0.1:9/evil.mtl\n" + points + "".join("f {} {} {}\n".format(*(k + 1 for k in face)) for face in FACES)).encode()
 
@@ -268,7 +268,7 @@ def test_explore_brings_the_meshes(with_page, explorer, tmp_path):
     expect(page.locator("#dh tbody tr").first).to_be_visible()
     assert len(shapes_stand_where_they_belong(page)) == 2
     assert page.evaluate("() => window.denavit.app.view.missing") == ["../secret.txt"]
-    # The rule on meshes knows those that are there.
+    # The rule on meshes finds the existing ones.
     mentioned = page.locator(".finding summary").all_inner_texts()
     assert not any("arm.stl" in words or "arm.dae" in words for words in mentioned), mentioned
 
@@ -316,7 +316,7 @@ def test_documents_show_the_same_view(size, theme, with_page, explorer, tmp_path
     expect(page.locator(".view")).to_be_hidden()
 
 
-# Words whose colour is too near to that of what they stand on (WCAG 2, 4.5 : 1), words in drawings aside.
+# Words with too little contrast to their background (WCAG 2, 4.5 : 1), except words in drawings.
 UNREADABLE = """() => {
   const canvas = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
   const read = (colour) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = colour; canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data]; };
@@ -350,7 +350,7 @@ def test_every_word_of_the_explorer_can_be_read_in_either_theme(theme, explorer)
     for tab in ("See", "Calibrate", "Learn"):
         page.click(f"#tab-{tab}")
         page.wait_for_timeout(300)
-        # Buttons that wait are meant to be pale.
+        # Disabled buttons are pale on purpose.
         pale = [words for words in page.evaluate(UNREADABLE) if not words.startswith('BUTTON "Back"')]
         assert pale == [], tab
 

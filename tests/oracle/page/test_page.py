@@ -1,7 +1,7 @@
-"""Pages in headless Chromium: no console message, no network, sliders that move the tip to where forward kinematics says,
-figures whose words do not lie on each other, and nothing wider than a phone.
+"""Pages in headless Chromium: no console message, no network, sliders that move the tip to the pose from forward kinematics,
+figures whose words do not overlap, and nothing wider than a phone.
 
-The pages, and the poses that `Chain::fk` gives for a few postures, are written by crates/export/tests/page_written.rs.
+The pages, and the poses from `Chain::fk` for a few postures, are written by crates/export/tests/page_written.rs.
 """
 
 import json
@@ -38,7 +38,7 @@ def browser():
 
 @pytest.fixture
 def opened(browser):
-    """Opens a page in a window of a size; at the end of the test it must have asked for nothing and written nothing."""
+    """Opens a page in a window of a size; at the end of the test it must have requested nothing and written nothing."""
     console, asked = [], []
     pages = []
 

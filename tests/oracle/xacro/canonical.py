@@ -1,4 +1,4 @@
-"""XML documents as lists that are equal where the documents mean the same; numbers are compared to 1e-12."""
+"""XML documents as lists that are equal if the documents mean the same; numbers are compared to 1e-12."""
 
 import xml.etree.ElementTree as ElementTree
 
@@ -57,7 +57,7 @@ def same(left, right):
 
 
 def difference(left, right, comments=False):
-    """The first place where two documents differ, or None."""
+    """The first difference between two documents, or None."""
     left, right = read(left, comments), read(right, comments)
     for a, b in zip(left, right):
         if not same(a, b):

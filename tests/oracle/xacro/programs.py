@@ -6,19 +6,19 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-# Scripts beside this file are run by themselves, too.
+# Scripts in this folder can also run alone.
 sys.path.insert(0, str(HERE.parent))
 
 import built  # noqa: E402
 
 WORKSPACE = built.WORKSPACE
 
-# Packages that nobody has are told about; those of the machine are not looked at.
+# Missing packages are reported; the packages of the machine are not searched.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH")}
 
 
 def ours():
-    """The command, or None where nothing is built: DENAVIT, then the release build, then the crate's example."""
+    """The command, or None if nothing is built: DENAVIT, then the release build, then the crate's example."""
     candidates = [[os.environ["DENAVIT"], "expand"]] if "DENAVIT" in os.environ else []
     for build in ("release", "debug"):
         folder = built.target() / build

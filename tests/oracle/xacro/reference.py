@@ -1,6 +1,6 @@
 """The Python tool `xacro` with packages found in given folders: `python reference.py FOLDER[:FOLDER…] FILE [name:=value…]`.
 
-The tool asks `ament_index_python` for packages, which is part of ROS; this stands in for it.
+The tool asks `ament_index_python`, a part of ROS, for packages; this script replaces it.
 """
 
 import os
@@ -13,7 +13,7 @@ NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 
 
 def package_folder(name, folders):
-    """The folder of a package: by its own name, else by what its package.xml says."""
+    """The folder of a package: by its own name, else by the name in its package.xml."""
     for folder in folders:
         if (folder / name).is_dir():
             return str((folder / name).absolute())

@@ -1,4 +1,4 @@
-"""Whole processes, UR5e: `python speed.py` prints the medians of both programs, on the clock and of processor time.
+"""Times whole processes, UR5e: `python speed.py` prints the medians of both programs, wall clock and processor time.
 
 `--at-least N` exits with 1 if we are not N times faster.
 """
@@ -17,7 +17,7 @@ ARGUMENTS = ["name:=ur5e", "ur_type:=ur5e"]
 
 
 def medians(command):
-    """Seconds on the clock and of processor time, which a busy machine disturbs less."""
+    """Seconds of wall clock and of processor time, which depends less on other load."""
     clock, processor = [], []
     for _ in range(RUNS):
         before, start = used(), time.perf_counter()

@@ -1,4 +1,4 @@
-"""D-H tables of our expansion and of the Python tool's: the same to the last digit of the screw axes."""
+"""D-H tables from our expansion and from the Python tool's: the same to the last digit of the screw axes."""
 
 import csv
 import subprocess

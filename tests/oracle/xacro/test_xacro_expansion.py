@@ -1,4 +1,4 @@
-"""Our expansion against the Python tool's: fixtures, the vendors' files, and every xacro file of rtb-data."""
+"""Our expansion compared with the Python tool's: fixtures, the vendors' files, and every xacro file of rtb-data."""
 
 import csv
 import os
@@ -14,7 +14,7 @@ FEATURES = WORKSPACE / "crates/xacro/tests/fixtures/features"
 VENDOR = WORKSPACE.parent / "shared/vendor/xacro"
 RTB_DATA = Path(sysconfig.get_paths()["purelib"]) / "rtbdata"
 
-# Packages that the files of rtb-data ask for by the name that they have upstream, and their folders there.
+# Upstream names of packages in the files of rtb-data, and their folders there.
 RENAMED = {
     "abb_irb140": "xacro/abb_irb140_description",
     "kuka_resources": "xacro/kuka_description/kuka_resources",
@@ -23,7 +23,7 @@ RENAMED = {
         for robot in ("kr10", "kr120", "kr150", "kr16", "kr210", "kr3", "kr5", "kr6", "lbr_iiwa")
     },
 }
-# Files that no program can expand: two ask for a package (lms1xx) that rtb-data does not have, one for a property
+# Files that no program can expand: two need a package (lms1xx) that rtb-data does not have, one needs a property
 # (`deg`) that nothing defines.
 INCOMPLETE = {"sick_lms1xx_mount.urdf.xacro", "sick_s300_mount.urdf.xacro", "kr210l150.xacro"}
 

@@ -1,5 +1,5 @@
-//! The robot of the first argument (a URDF or a D-H table), with the `TIP` (links, commas between them) and `UNITS` of the environment, and its
-//! files of measurements.
+//! The robot of the first argument (a URDF or a D-H table), with the environment variables `TIP` (links, separated by commas) and `UNITS`,
+//! and its files of measurements.
 
 use denavit_export::sources::{self, Source, Stated};
 use denavit_identify::effects::Statics;
@@ -22,8 +22,8 @@ impl Real {
         Self::in_units(path, &std::env::var("UNITS").unwrap_or_default())
     }
 
-    /// The robot whose rows are in these units, such as `mm,deg`; SI units where nothing is said.
-    #[allow(dead_code)] // Some studies have one robot alone.
+    /// The robot whose rows are in these units, such as `mm,deg`; SI units if empty.
+    #[allow(dead_code)] // Some studies have only one robot.
     pub fn in_units(path: &str, units: &str) -> Self {
         let units = if units.is_empty() { Units::default() } else { units.parse().unwrap() };
         let text = std::fs::read_to_string(path).unwrap();

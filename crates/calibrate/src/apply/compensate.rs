@@ -1,4 +1,4 @@
-//! Joint commands that reach given poses with the robot as it is: Newton on the full model.
+//! Joint commands with which the calibrated robot reaches given poses: Newton's method on the full model.
 
 mod in_order;
 
@@ -19,16 +19,16 @@ pub enum Wanted {
     Joints(Vec<f64>),
 }
 
-/// A command, and what it is expected to reach.
+/// A command, and its expected error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
     /// Joint values that the nominal robot would need; rad, m.
     pub nominal: Vec<f64>,
     /// Joint values to command; rad, m.
     pub joints: Vec<f64>,
-    /// Distance of the tip from where it is wanted, by the full model, m.
+    /// Distance of the tip from its wanted position, by the full model, m.
     pub position_error: f64,
-    /// Angle of the tip from how it is wanted, by the full model, rad.
+    /// Angle of the tip from its wanted orientation, by the full model, rad.
     pub orientation_error: f64,
     /// The same without compensation.
     pub uncompensated: (f64, f64),
@@ -41,7 +41,7 @@ pub struct Command {
     pub keeps_configuration: bool,
 }
 
-/// How far a command may miss and still count as one that reaches its pose: m and rad.
+/// Largest error of a command that counts as reaching its pose: m and rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allowed {
     /// m.
@@ -64,17 +64,17 @@ impl Allowed {
 
 /// Orientation weighs as this lever (share of the robot's size) where a pose is out of reach.
 const LEVER: f64 = 0.1;
-/// The same for a chain of fewer than six coordinates, which can never correct both: place goes first.
+/// The same for a chain of fewer than six coordinates, which can never correct both: position has priority.
 const LEVER_OF_FEW: f64 = 0.01;
-/// A solution is one when the nominal tip is this near, m (rad times lever).
+/// Largest error of a solution at the nominal tip, m (rad times lever).
 const REACHED: f64 = 1e-9;
 /// Steps of one search.
 const MOST_STEPS: usize = 200;
 
 /// Find the command for a wanted pose.
 ///
-/// `solver` is that of the robot as drawn, `actual` gives base_from_tip of the robot as it is, effects included; `calibrated` is its chain, whose Jacobian is near
-/// enough for Newton's steps. The nominal solution nearest to `near` (rad, m) is the start.
+/// `solver` is that of the robot as drawn, `actual` gives base_from_tip of the calibrated robot, effects included; `calibrated` is its
+/// chain, whose Jacobian is accurate enough for Newton's steps. The search starts at the nominal solution nearest to `near` (rad, m).
 ///
 /// # Shape and units
 /// `near`: one value per coordinate.
@@ -109,8 +109,8 @@ pub fn compensate(
 
 /// Joint values at which the nominal robot has a pose, and whether they keep the configuration of `near`.
 ///
-/// The straight way of the tip from where it is at `near` is followed first. Where that ends, all branches of inverse kinematics are
-/// looked at: the nearest within the limits that keeps the configuration, else the nearest within the limits, else any, else
+/// First the straight path of the tip from its pose at `near` is followed. If it is interrupted, all branches of inverse kinematics are
+/// tried: the nearest within the limits that keeps the configuration, else the nearest within the limits, else any, else
 /// the nearest miss.
 fn nominal_solution(solver: &Solver, pose: &Pose, near: &[f64]) -> (Vec<f64>, bool) {
     let chain = solver.chain();
@@ -142,8 +142,8 @@ const PARTS_OF_THE_WAY: u32 = 32;
 /// A joint that turns by more within one part, rad, has jumped to another configuration.
 const JUMP: f64 = 0.5;
 
-/// The joint values at the end of the tip's straight way from where it is at `near`; `None` where the way leaves what the
-/// arm reaches, jumps, or ends outside of the limits.
+/// The joint values at the end of the tip's straight path from its pose at `near`; `None` if the path leaves the workspace, jumps, or
+/// ends outside the limits.
 fn followed(chain: &Chain, pose: &Pose, near: &[f64], lever: f64) -> Option<Vec<f64>> {
     let from = chain.fk(near);
     let turn = se3::rotation_vector(&(pose.rotation * from.rotation.inverse()));
@@ -168,7 +168,7 @@ fn followed(chain: &Chain, pose: &Pose, near: &[f64], lever: f64) -> Option<Vec<
     beyond_limits(chain, &found).is_empty().then_some(found)
 }
 
-/// Points on the way between two sets of joint values at which a singularity is looked for.
+/// Points between two sets of joint values at which singularities are checked.
 const POINTS_BETWEEN: u32 = 256;
 /// Smallest over largest singular value of the Jacobian at a singularity.
 const SINGULAR: f64 = 1e-2;
@@ -213,7 +213,7 @@ fn jacobian(chain: &Chain, q: &[f64], columns: &mut [Vector6<f64>], lever: f64) 
 
 /// The same angles with whole turns taken off: within the limits if that can be, and there nearest to `near`.
 ///
-/// A coordinate that lifts or slides anything, or turns a joint by other than itself, stays as it is.
+/// A coordinate of a joint that is not revolute, or turns by a ratio other than 1, is not changed.
 fn unwound(chain: &Chain, mut q: Vec<f64>, near: &[f64]) -> Vec<f64> {
     for (index, coordinate) in chain.coordinates().iter().enumerate() {
         let mut moved = chain.joints().iter().filter(|joint| joint.coordinate == index);
@@ -243,7 +243,7 @@ fn lever(chain: &Chain) -> f64 {
     share * chain.size()
 }
 
-/// What is missing to the wanted pose: rotation vector times lever, then translation; base frame, m.
+/// The error to the wanted pose: rotation vector times lever, then translation; base frame, m.
 fn error(reached: &Pose, wanted: &Pose, lever: f64) -> Vector6<f64> {
     let turn = se3::rotation_vector(&(wanted.rotation * reached.rotation.inverse())) * (lever);
     let shift = wanted.translation.vector - reached.translation.vector;

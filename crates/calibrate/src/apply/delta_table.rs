@@ -1,4 +1,4 @@
-//! What a controller adds to the ideal Denavit-Hartenberg table of its model: the factory's calibration of one arm.
+//! Delta tables, the factory calibration of one arm: a controller adds them to the ideal Denavit-Hartenberg table of its model.
 
 use denavit_dh::DhRow;
 use denavit_model::nalgebra::{Point3, Unit, Vector3};

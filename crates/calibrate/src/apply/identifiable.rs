@@ -1,4 +1,4 @@
-//! What measurements of a chain could identify, before any is made.
+//! Which parameters of a chain measurements can identify, before any are made.
 
 use denavit_identify::identifiability::{Identifiability, identifiability};
 use denavit_identify::parameters::{Freedom, NoEffects};

@@ -34,7 +34,7 @@ pub struct PlanOptions {
     pub kind: ObservationKind,
     /// Which parts of the arm will be fitted.
     pub freedom: Freedom,
-    /// Poses to choose from, one value per coordinate; `None`: spread over the joint limits.
+    /// Candidate poses, one value per coordinate; `None`: spread over the joint limits.
     pub candidates: Option<Vec<Vec<f64>>>,
     /// How many to spread.
     pub spread: usize,
@@ -50,7 +50,7 @@ pub struct PlanOptions {
     pub noise: f64,
     /// The prior.
     pub tolerances: Tolerances,
-    /// What an earlier calibration knows of the axes: poses are chosen for what they add to it.
+    /// The axes of an earlier calibration: poses are chosen for what they add to it.
     pub earlier: Option<Earlier>,
     /// Seed of the spread candidates and of the random poses that the plan is compared with.
     pub seed: u64,
@@ -83,8 +83,8 @@ impl PlanOptions {
 pub enum PlanError {
     /// Fewer candidates than poses wanted.
     #[error(
-        "{wanted} poses are to be chosen, but only {left} of {candidates} candidates are within the limits and the box; \
-         allow more or ask for fewer"
+        "{wanted} poses are wanted, but only {left} of {candidates} candidates are within the limits and the box; \
+         allow more candidates or choose fewer poses"
     )]
     TooFewCandidates {
         /// Wanted.
@@ -100,16 +100,16 @@ pub enum PlanError {
     /// A chain of more joints than can be planned for.
     #[error(transparent)]
     TooManyJoints(#[from] TooManyJoints),
-    /// What is observed holds the target: postures are not chosen freely.
+    /// The measurement holds the target in contact: postures are not chosen freely.
     #[error(
-        "poses cannot be chosen for {}: whoever brings the target into contact chooses them; spread them as widely as the arm can",
+        "poses cannot be planned for {}: you choose them when you bring the target into contact; spread them as widely as the arm can",
         .0.plural()
     )]
     InContact(ObservationKind),
     /// Numbers of the robot that are too far apart in size.
     #[error(
-        "the information of these poses cannot be computed: lengths of the robot, the target's or the anchor's place are too \
-         far apart in size; give them in m, and leave out what is not measured"
+        "the information of these poses cannot be computed: the lengths of the robot and the positions of the target or the anchor \
+         differ too much in size; give them in m, and leave out what is not measured"
     )]
     Degenerate,
     /// A candidate of another length.
@@ -125,8 +125,8 @@ pub enum PlanError {
 }
 
 /// Observability indices of a set of poses, from the singular values s1 ≥ … ≥ sL > 0 of the identification Jacobian in
-/// units of the tolerances, the common frame left out. Where an earlier calibration is known, what it says counts as rows, too: the
-/// squares of the singular values are then the eigenvalues of Jᵀ J + noise² P.
+/// units of the tolerances, the common frame left out. An earlier calibration counts as additional rows: the squares of the singular
+/// values are then the eigenvalues of Jᵀ J + noise² P.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Observability {
     /// (s1 ··· sL)^(1/L) / √poses (Borm, Menq 1991).
@@ -158,7 +158,7 @@ pub struct Plan {
     pub usable: usize,
     /// Exchanges made.
     pub exchanges: usize,
-    /// Whether the indices count what an earlier calibration says, too.
+    /// Whether the indices include an earlier calibration.
     pub with_prior: bool,
 }
 
@@ -242,15 +242,15 @@ fn allowed(chain: &Chain, arm: &Arm, q: &[f64], options: &PlanOptions) -> bool {
             .is_none_or(|[low, high]| (0..3).all(|axis| target[axis] >= low[axis] && target[axis] <= high[axis]))
 }
 
-/// Jacobian rows of every candidate, and what is known before measuring.
+/// Jacobian rows of every candidate, and prior information.
 struct Design {
     candidates: Vec<Vec<f64>>,
-    /// Each candidate's rows over the noise, parameters in units of what is expected of them.
+    /// Each candidate's rows over the noise, parameters in units of their prior standard deviations.
     rows: Vec<DMatrix<f64>>,
     /// All of them, one below the other.
     stacked: DMatrix<f64>,
     before: DMatrix<f64>,
-    /// Rows over the noise that stand for an earlier calibration; none without.
+    /// Rows over the noise that represent an earlier calibration; none without.
     known: DMatrix<f64>,
     noise: f64,
 }
@@ -264,7 +264,7 @@ impl Design {
         let layout = Layout::new(chain, &data.scene, &options.freedom, &options.tolerances, Vec::new());
         let layout = expecting(layout, options.earlier.as_ref());
         let n = layout.len();
-        // A millimetre and a milliradian for what has no tolerance of its own.
+        // A millimetre and a milliradian for parameters without a tolerance.
         let unit: Vec<f64> = layout.parameters.iter().map(|parameter| parameter.tolerance.unwrap_or(1e-3)).collect();
         let problem = ResidualModel { data: &data, layout: &layout, effects: &NoEffects };
         let height = options.kind.height();
@@ -293,7 +293,7 @@ impl Design {
         if options.earlier.is_some() {
             let precision = &layout.prior.precision;
             let scaled = DMatrix::from_fn(joints.len(), joints.len(), |i, k| precision[(i, k)] * unit[i] * unit[k]);
-            // A common motion of all axes is no parameter: the prior holds it hardly, and the indices leave it out.
+            // A common motion of all axes is not a parameter: the prior hardly constrains it, and the indices leave it out.
             let free = free_of_common_motions(&layout.parameters[joints.clone()], &layout.bases, &layout.frames);
             let rows = symmetric::lower(&scaled, 0.0).transpose() * &free * free.transpose();
             known.columns_mut(joints.start, joints.len()).copy_from(&rows);
@@ -345,7 +345,7 @@ impl Design {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The poses and the exchanges made; `None` where rounding leaves nothing of the information.
+    /// The poses and the exchanges made; `None` if rounding makes the information singular.
     fn choose(&self, count: usize) -> Option<(Vec<usize>, usize)> {
         let mut chosen: Vec<usize> = Vec::with_capacity(count);
         let mut inverse = self.inverse(&[])?;
@@ -423,8 +423,8 @@ impl Design {
     }
 }
 
-/// Rows at these poses with what the arm predicts of the `series` of `rows` as measured: only the derivatives are used. A series
-/// that cannot be seen from a pose is left out of its row, a pose from which nothing can be seen out of the rows; the line of
+/// Rows at these poses, with the arm's predictions for the `series` of `rows` as measured values: only the derivatives are used. A series
+/// that cannot be observed at a pose is left out of its row, and a pose without observations is left out of the rows; the line of
 /// a row is the number of its pose, counted from 1.
 fn as_predicted<'a>(
     arm: &Arm,

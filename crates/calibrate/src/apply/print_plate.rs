@@ -21,7 +21,7 @@ const CHECKED: f64 = 0.05;
 /// A plate that cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "holes for a ball of {ball_mm} mm are {mouth_mm:.1} mm wide, and {pitch_mm} mm apart they leave no wall of {wall_mm} mm; take a smaller ball or a longer distance"
+    "holes for a ball of {ball_mm} mm are {mouth_mm:.1} mm wide, and a spacing of {pitch_mm} mm leaves no wall of {wall_mm} mm; choose a smaller ball or a larger spacing"
 )]
 pub struct PrintPlateError {
     /// Diameter of the ball, mm.

@@ -1,30 +1,30 @@
-//! What a calibration hands on, and whether rows that it has not seen are worse by it: these judge, they choose nothing.
+//! The adopted stage of a calibration, and whether held-out rows are worse with it: they test stages but do not choose one.
 
 use denavit_identify::residual_statistics::{Residual, above_zero};
 use serde::Serialize;
 
-/// Chance makes a stage that changes nothing look worse on held-out rows in one file of a hundred.
+/// Significance level: a stage that changes nothing looks worse on held-out rows in one file of a hundred.
 const CHANCE: f64 = 0.01;
-/// Fewer held-out rows judge nothing.
+/// Smallest number of held-out rows for this test.
 const LEAST_ROWS: usize = 4;
 
-/// The stage whose model a calibration hands on.
+/// The stage whose model is the result of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adopted {
     /// The robot as drawn.
     Nominal,
-    /// The robot as an earlier calibration left it, with its effects and error curves if it has some.
+    /// The robot of an earlier calibration, with its effects and error curves if it has some.
     Earlier,
     /// The axes as fitted.
     Geometric,
-    /// Axes, effects and error curves of an earlier calibration brought up to date.
+    /// Updated axes, effects and error curves of an earlier calibration.
     Updated,
     /// Axes and effects.
     Effects,
     /// Axes and error curves of joints.
     Curves,
-    /// Everything that may act, averaged, blended with plain geometry.
+    /// The average over the possible models, blended with plain geometry.
     Averaged,
 }
 

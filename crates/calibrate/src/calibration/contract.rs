@@ -32,7 +32,7 @@ pub const SCHEMA: &str = denavit_identify::posterior::CALIBRATION_SCHEMA;
 pub struct CalibrationReport {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// By what it was made, when, and of which files.
+    /// The program, the date and the files of this result.
     pub origin: Origin,
     /// The robot's name.
     pub robot: String,
@@ -45,31 +45,31 @@ pub struct CalibrationReport {
     pub tips: Vec<TipEntry>,
     /// What was measured: `pose`, `position`, `distance`, or several joined by `+`.
     pub measurement: String,
-    /// What every column of the data was taken for; empty where the rows came from no file.
+    /// The meaning of every column of the data; empty if the rows did not come from a file.
     pub columns: Vec<ColumnUse>,
-    /// What was supposed of the rows because they fit no robot as they are written; left out where they do.
+    /// Assumptions about rows that do not fit the robot as written; left out if they fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_as: Option<ReadAs>,
-    /// Loads at the tip by which setups differ, although no column says so: the rows are used with them; left out where there are none.
+    /// Loads at the tip by which setups differ and that no column records: the rows are used with them; left out if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undeclared_loads: Option<UndeclaredLoads>,
     /// Masses of links that were fitted because the description has none; left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub masses: Option<LinkMasses>,
-    /// What was placed anew before the test rows were measured; left out where everything stands as it did.
+    /// What was moved before the test rows were measured; left out if nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub placed_anew: Option<PlacedAnew>,
-    /// Sorts of values of whose variation the fitted geometry leaves more than a fifth; left out where there is none.
+    /// Quantities with more than a fifth of their variation unexplained by the fitted geometry; left out if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub poorly_explained: Vec<Explained>,
     /// Rows used.
     pub samples: Samples,
-    /// Numbers measured beside numbers found.
+    /// Measured numbers and degrees of freedom.
     pub redundancy: Redundancy,
-    /// What postures that were measured more than once say of the noise and of the model; left out where there are none.
+    /// Pure error and lack of fit from repeated postures; left out if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<LackOfFit>,
-    /// What the noise of the adopted stage is made of; left out where nothing can be estimated of it.
+    /// Components of the noise of the adopted stage; left out if none can be estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseModel>,
     /// Counts of parameters.
@@ -85,33 +85,33 @@ pub struct CalibrationReport {
     pub placements: Option<Placements>,
     /// How far each axis is from its drawing at that stage.
     pub parameters: Vec<Identified>,
-    /// How the parameters hang together, and what they are counted from: with them the next calibration can continue from here.
-    /// Left out where no axis was identified.
+    /// Correlations of the parameters, and their reference: with them the next calibration can continue from here.
+    /// Left out if no axis was identified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Posterior>,
-    /// What the earlier calibration counted for that this one continues from; left out where there is none.
+    /// Weight of the earlier calibration that this one continues from; left out if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub earlier: Option<Continued>,
     /// Axes that are many tolerances from where they are drawn.
     pub differs_from_drawing: Vec<DrawingDifference>,
-    /// The zeros of joints that explain nearly all that the axes do; left out where they do not.
+    /// The zeros of joints, if they explain nearly as much as fitted axes; else left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_zeros: Option<JointZeros>,
-    /// Effects that are sure enough to be named.
+    /// Effects that are certain enough to be named.
     pub effects: Vec<EffectEntry>,
-    /// Effects that stay in the model although there are alternatives; left out if there are none such.
+    /// Effects that stay in the model although their cause is uncertain; left out if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub one_of: Vec<EffectEntry>,
-    /// What poses measured next are expected to decide; left out where no cause is uncertain.
+    /// What further poses are expected to decide; left out if no cause is uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prospect: Option<Prospect>,
-    /// How far the averaged prediction is expected to be off, within the measured ranges and outside; left out where it is not adopted.
+    /// Expected error of the averaged prediction, within the measured ranges and outside; left out if it is not adopted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction: Option<Expected>,
     /// Error curves of joints, no cause claimed; left out where there is none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveEntry>,
-    /// What depends on several joints and is no named cause; left out where there is none.
+    /// Deflections that depend on several joints, no cause claimed; left out if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<FieldEntry>,
     /// What no effect explains.
@@ -138,12 +138,12 @@ pub struct TipEntry {
     pub test: Option<Errors>,
 }
 
-/// By what a result was made, when, and of which files: who reads it later can tell whether it is of the data at hand.
+/// The program, date and files of a result, so that a later reader can check whether it belongs to the data at hand.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Origin {
     /// Program and version.
     pub program: &'static str,
-    /// The day of the run in UTC, such as `2026-03-01`; left out where nobody said it.
+    /// The day of the run in UTC, such as `2026-03-01`; left out if unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub date: Option<String>,
     /// Files of measurements; left out where the rows came from none.
@@ -184,26 +184,26 @@ pub enum FileUse {
     Prior,
 }
 
-/// What an earlier calibration counted for.
+/// Weight of an earlier calibration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Continued {
-    /// Of what it knows of the axes: 1 in full, 0 not at all, as much as the new rows bear out.
+    /// Weight of its axes: 1 in full, 0 not at all, as far as the new rows agree.
     pub weight: f64,
-    /// What became of its effects, of its error curves and of what joints give under gravity; left out where it has none.
+    /// State of its effects, error curves and deflections under gravity; left out if it has none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<CarriedPart>,
 }
 
-/// What was supposed of the rows, and how they are to be written.
+/// Assumptions about the rows, and how to write them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReadAs {
-    /// What was supposed, as the end of a sentence that begins with "if".
+    /// The assumption, as the end of a sentence that begins with "if".
     pub supposed: Vec<String>,
     /// What to write instead.
     pub correction: Vec<String>,
     /// The joints whose readings were changed.
     pub joints: Vec<String>,
-    /// Misfit of one component as written and as supposed, m.
+    /// Misfit of one component as written and as assumed, m.
     pub misfit_m: [f64; 2],
     /// The same of orientations, rad; 0 where none are measured.
     pub misfit_rad: [f64; 2],
@@ -246,7 +246,7 @@ pub struct Samples {
     /// Test rows that are exact copies of others or of fitted rows, by their lines: left out of the test.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub test_copies: Vec<usize>,
-    /// Held-out rows that are off by far more than the others, and are counted all the same: their lines in their file.
+    /// Held-out rows with gross errors, counted nevertheless: their lines in their file.
     pub test_outliers: Vec<usize>,
 }
 
@@ -258,7 +258,7 @@ pub struct Identified {
     pub parameter: String,
     /// Its joint.
     pub joint: String,
-    /// DrawingDifference from the drawing, in the unit.
+    /// Difference from the drawing, in the unit.
     pub change: f64,
     /// Standard deviation, the prior included.
     pub std: f64,
@@ -266,24 +266,24 @@ pub struct Identified {
     pub half_interval_95: f64,
     /// `rad`, `m`, `m/rad` or `1`.
     pub unit: &'static str,
-    /// How much of the spread is the prior's: 1 where the data say nothing.
+    /// The prior's share of the spread: 1 if the data give no information.
     pub held_by_prior: f64,
 }
 
 /// Zeros of joints in place of axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointZeros {
-    /// Share of the squares that the axes explain.
+    /// Share of what fitted axes explain (sums of squares).
     pub share: f64,
     /// Joint by joint.
     pub zeros: Vec<Identified>,
 }
 
-/// A zero of which the prior gives more than this share is not told by the data.
+/// A zero with more than this share from the prior is not determined by the data.
 const TOLD_BELOW: f64 = 0.5;
 
 impl Identified {
-    /// Whether the data say more of it than what is expected of any robot.
+    /// Whether the data determine it, beyond the prior.
     pub fn is_told(&self) -> bool {
         self.held_by_prior < TOLD_BELOW
     }
@@ -296,7 +296,7 @@ impl CalibrationReport {
     }
 }
 
-/// What a parameter is held by that the data cannot tell.
+/// What holds a parameter that the data cannot identify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldBy {
@@ -315,7 +315,7 @@ pub struct Counts {
     pub rank: usize,
 }
 
-/// A parameter that the data cannot tell.
+/// A parameter that the data cannot identify.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Unidentifiable {
@@ -325,7 +325,7 @@ pub struct Unidentifiable {
     pub joint: String,
     /// Why.
     pub why: String,
-    /// What it is held by.
+    /// What holds it.
     pub held: HeldBy,
 }
 
@@ -348,9 +348,9 @@ pub struct Stage {
     pub test_lengths: Vec<LengthFound>,
     /// Whether the fit converged.
     pub converged: bool,
-    /// Whether this is the calibrated robot that is handed on.
+    /// Whether this is the calibrated robot.
     pub adopted: bool,
-    /// Whether held-out rows came out worse than at the stage before, by more than chance; they judge, and choose no stage.
+    /// Whether held-out rows are worse than at the stage before, by more than chance; they test stages but do not choose one.
     pub worse_on_held_out: bool,
 }
 
@@ -371,7 +371,7 @@ pub struct EffectEntry {
     pub covariate: Option<String>,
     /// Its numbers by name: value, standard deviation, unit.
     pub parameters: Map<String, Value>,
-    /// Probability that it does not act: what is left of the posterior mass.
+    /// Posterior probability that it does not act.
     pub p_value: f64,
     /// Twice the logarithm of the odds of the best model with it against the best without it.
     pub delta_bic: f64,
@@ -394,7 +394,7 @@ pub struct Rival {
     pub kind: String,
     /// Where it acts: a joint, or `base`, `target`, …
     pub joint: String,
-    /// Posterior probability that it acts and the other does not.
+    /// Posterior probability that it acts and the named effect does not.
     pub probability: f64,
 }
 
@@ -408,31 +408,31 @@ pub struct CurveEntry {
     pub unit: &'static str,
     /// Root mean square over the range of the data, about the mean.
     pub rms: f64,
-    /// How far apart readings must be for the curve to differ: the length scale of its kernel.
+    /// Length scale of its kernel: the distance of readings over which the curve changes.
     pub length: f64,
-    /// How unsure the curve is where no data were: there it is taken as 0.
+    /// Standard deviation of the curve far from the data, where its mean is 0.
     pub std_without_data: f64,
-    /// By how much the curve raises the logarithm of the marginal likelihood.
+    /// Increase of the log marginal likelihood by the curve.
     pub log_evidence: f64,
-    /// Sines that hold much of it, the strongest first.
+    /// Sines with a large share of it, the strongest first.
     pub lines: Vec<Line>,
     /// The curve over the range of the data: add it to the reading to have the joint's true value.
     pub table: Vec<CurvePoint>,
 }
 
-/// What is fitted beside the curves and depends on several joints, no cause claimed: what a joint gives under gravity, with masses that nobody
-/// knows, which curves would absorb.
+/// A deflection of a joint under gravity with unknown masses: fitted together with the curves, which would otherwise absorb it. It depends
+/// on several joints; no cause is claimed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldEntry {
     /// `gravity`.
     pub kind: &'static str,
     /// The joint that turns by it.
     pub joint: String,
-    /// How far the joint turns by it over the rows, root mean square about the mean.
+    /// Deflection of the joint over the rows, root mean square about the mean.
     pub rms: f64,
     /// Of that: `rad`, or `m` for a slide.
     pub unit: &'static str,
-    /// By how much it raises the logarithm of the marginal likelihood.
+    /// Increase of the log marginal likelihood by it.
     pub log_evidence: f64,
 }
 
@@ -451,7 +451,7 @@ pub struct CurvePoint {
 /// What no effect explains.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unexplained {
-    /// Whether what is left has structure.
+    /// Whether the residual has structure.
     pub structured: bool,
     /// Probability of such structure by chance.
     pub p_value: f64,

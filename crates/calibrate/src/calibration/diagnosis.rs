@@ -1,15 +1,15 @@
-//! Data that do not belong to the robot, or not as they are written: which likely mistake would explain them.
+//! Diagnosis of data that do not belong to the robot, or not as written: which common mistake explains them.
 //!
 //! ```text
-//! the robot as drawn, or its fitted geometry, leaves too much
-//!    ─► every likely mistake undone, nominal fit ─► the best, and pairs with them ─► geometric fit ─► certain
+//! the residual of the robot as drawn, or of its fitted geometry, is too large
+//!    ─► every common mistake undone, nominal fit ─► the best, and pairs with them ─► geometric fit ─► certain
 //!            certain and harmless: continue with it, and say so first;  certain: named, refused
 //!    ─► rows that fit together without the others ─► named, refused;  nothing explains it: refused
 //! ```
-//! A mistake is certain when undoing it makes what the robot *as drawn* misses at least [`NOMINAL_ORDER`] times smaller and small
-//! beside the robot, or what the fitted geometry misses at least [`ORDER`] times smaller. The first does not depend on the number of
-//! rows: few rows leave the fitted geometry so much freedom that it hides the mistake, but the robot as drawn has none. Real data that
-//! are right are never taken for mistaken: another reading of the columns does not make a robot so much more like its drawing.
+//! A mistake is certain if undoing it makes the error of the robot *as drawn* at least [`NOMINAL_ORDER`] times smaller, and small
+//! compared with the robot, or the error of the fitted geometry at least [`ORDER`] times smaller. The first criterion does not depend on
+//! the number of rows: with few rows, the fitted geometry has so much freedom that it hides the mistake, but the robot as drawn has none.
+//! Correct data are not diagnosed as mistaken: no other interpretation of the columns brings a robot so much closer to its drawing.
 
 mod conventions;
 pub mod explained;
@@ -35,31 +35,31 @@ pub const ORDER: f64 = 10.0;
 /// Or the nominal fit this many times, and leave no more than this share of the robot's size (or rad).
 pub const NOMINAL_ORDER: f64 = 8.0;
 const LIKE_THE_DRAWING: f64 = 0.02;
-/// And the nominal one this many times, to be looked at.
+/// And the nominal one this many times, to be tested further.
 const PROMISING: f64 = 2.0;
-/// The robot as drawn may leave this share of its size (or rad) before mistakes are tried, whatever its fitted geometry leaves.
+/// Error of the robot as drawn, as a share of its size (or rad), above which mistakes are tried, whatever the fitted geometry's error.
 const NOMINAL_SUSPICIOUS: f64 = 0.01;
-/// Numbers beyond those that place the robot which it takes to call a mistake certain.
+/// Numbers, beyond those that place the robot, needed for a certain mistake.
 const CERTAIN_FROM: usize = 12;
-/// Of mistakes that fit equally well the simplest is taken; one that fits worse by no more than this leaves it uncertain.
+/// The simplest of equally good mistakes is taken; it is uncertain if another one is worse by no more than this.
 const ALIKE: f64 = 1.02;
 const RIVAL: f64 = 2.0;
-/// Positions must spread over this share of the robot's size before two zeros are looked for.
+/// Smallest spread of the positions, as a share of the robot's size, for a search for two zeros.
 const VARIED: f64 = 0.1;
-/// Mistakes that a second one is looked for beside.
+/// Number of mistakes that are tried together with a second one.
 const BEAM: usize = 6;
 /// Below this share of the robot's size (or rad) a misfit is an effect or a rough robot, and no mistake is tried.
 const SUSPICIOUS: f64 = 2e-3;
-/// Below this share not even rows of two individuals of one robot are looked for: they differ by less than links are made to.
+/// Below this share, rows of two robots of the same model are not searched for: they differ by less than tolerances.
 const UNLIKE_ONE_ROBOT: f64 = 2e-4;
-/// Above this share of the robot's size (or rad) no geometry within its tolerances is to blame.
+/// Above this share of the robot's size (or rad) geometry within tolerances cannot be the cause.
 const BEYOND_GEOMETRY: f64 = 0.02;
 /// Rows on which mistakes are tried, and on which the best are confirmed.
 const ROWS_TO_TRY: usize = 20;
 const ROWS_TO_CONFIRM: usize = 200;
-/// Iterations after a start: enough to see which mistake's rows fit, not to fit them.
+/// Iterations from a start: enough to compare mistakes, not for a complete fit.
 const ITERATIONS_TO_TRY: usize = 10;
-/// The best mistakes are confirmed, no more than these.
+/// Largest number of mistakes that are confirmed, the best ones.
 const CONFIRMED: usize = 3;
 
 /// Why data cannot be fitted.
@@ -68,7 +68,7 @@ const CONFIRMED: usize = 3;
 pub enum Diagnosis {
     /// A mistake that explains the misfit.
     #[error(
-        "{file}: {} What was measured would be met {} instead of {} if {}; {}",
+        "{file}: {} They would fit {} instead of {} if {}; {}",
         "these data do not fit this robot as they are written.",
         in_words(*after),
         in_words(*before),
@@ -88,7 +88,7 @@ pub enum Diagnosis {
     /// Some rows belong to the robot, others do not.
     #[error(
         "{file}: {} of {rows} rows fit this robot together ({}), the others do not, lines {}; are they of another robot, or \
-         was the instrument moved in between? Give each its own file",
+         was the instrument moved in between? Put each part in its own file",
         rows - strangers.len(),
         in_words(*after),
         listed(strangers)
@@ -103,10 +103,10 @@ pub enum Diagnosis {
         /// Misfit of the others.
         after: [f64; 2],
     },
-    /// The fitted robot explains nothing of what was measured.
+    /// The fitted robot explains nothing of the measured values.
     #[error(
-        "{file}: the fitted robot explains nothing: the measured {of} varies by {} rms, and {} are left of it; do the values belong to \
-         these readings, row by row, is this the robot that was measured, and are all units right (‹units›)?",
+        "{file}: the fitted robot explains nothing: the measured {of} varies by {} rms, and {} remain as residual; do the values belong \
+         to these readings, row by row, is this the robot that was measured, and are all units right (‹units›)?",
         length(*spread, unit),
         length(*left, unit)
     )]
@@ -124,10 +124,10 @@ pub enum Diagnosis {
     },
     /// No geometry, and no likely mistake.
     #[error(
-        "{file}: the robot as drawn misses what was measured by {nominal:.3} m{}, wherever the instrument stands (its size is \
-         {size:.3} m), and no change of its geometry within tolerances explains that, nor another sense, zero, order or unit of \
-         a column; is this the robot that was measured, are the joints in the right columns, the readings in rad (else ‹units› \
-         deg), the lengths in m (else ‹units› mm), and ‹base› and ‹tip› right?",
+        "{file}: the robot as drawn (size {size:.3} m) differs from the measured values by {nominal:.3} m{}, wherever the instrument \
+         stands; neither its geometry within tolerances nor another sense, zero, order or unit of a column explains that; is this \
+         the robot that was measured, are the joints in the right columns, the readings in rad (else ‹units› deg), the lengths in m \
+         (else ‹units› mm), and ‹base› and ‹tip› right?",
         turned(*orientation)
     )]
     Refused {
@@ -185,7 +185,7 @@ fn listed(lines: &[usize]) -> String {
     shown.join(", ")
 }
 
-/// Misfit per component, m and rad, of the rows as they are: gross ones are not left out here.
+/// Misfit per component, m and rad, of all rows, gross errors included.
 fn misfit(fit: &Fit<NoEffects>, data: &Measurements) -> [f64; 2] {
     let most = |unit: &str| {
         let channels = data.scene.channels.iter().zip(&fit.noise.levels).filter(|(part, _)| part.unit == unit);
@@ -229,12 +229,12 @@ fn nominal_misfit(chain: &Chain, data: &Measurements) -> [f64; 2] {
     misfit(&nominal_fit(chain, data, &vec![1.0; data.observations()], &options), data)
 }
 
-/// Rows that were read otherwise than they are written, because nothing else fits: what was supposed, and how certain it is.
+/// Rows that were interpreted in another way than written, because nothing else fits: the assumed mistakes, and their evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrected {
     /// What was undone.
     pub mistakes: Vec<Mistake>,
-    /// What would explain these rows as well, in words.
+    /// Alternatives that explain these rows as well, in words.
     pub alternatives: Vec<String>,
     /// Misfit as written: m and rad per component.
     pub before: [f64; 2],
@@ -243,14 +243,14 @@ pub struct Corrected {
 }
 
 impl Corrected {
-    /// These rows with the mistakes undone; as they are where one of them cannot be made in them.
+    /// These rows with the mistakes undone; a mistake that cannot be in them is skipped.
     pub fn applied(&self, chain: &Chain, data: Measurements) -> Measurements {
         self.mistakes
             .iter()
             .fold(data, |data, mistake| mistake.undone(chain, &data).map_or(data, |(_, altered)| altered))
     }
 
-    /// In words: what was supposed and what to write.
+    /// In words: the assumption, and what to write.
     pub fn said(&self) -> String {
         let or = if self.alternatives.is_empty() {
             String::new()
@@ -258,7 +258,7 @@ impl Corrected {
             format!(" (these rows are explained as well if {})", self.alternatives.join(", or if "))
         };
         format!(
-            "read as if {}: met {} instead of {}; {}{or}",
+            "read as if {}: they fit {} instead of {}; {}{or}",
             supposed(&self.mistakes),
             in_words(self.after),
             in_words(self.before),
@@ -267,10 +267,10 @@ impl Corrected {
     }
 }
 
-/// Mistakes undone together, and what the robot as drawn then misses on a few rows.
+/// Mistakes undone together, and the error of the robot as drawn on a few rows.
 #[derive(Debug, Clone)]
 struct Tried {
-    /// In the unit of length of the rows as written: lengths that are made shorter are missed by less, which explains nothing.
+    /// In the unit of length of the rows as written: shorter lengths have smaller errors, which explains nothing.
     score: f64,
     /// In true units.
     missed: f64,
@@ -283,8 +283,8 @@ fn scale_of(mistakes: &[Mistake]) -> f64 {
     mistakes.iter().map(factor).product()
 }
 
-/// Whether the data can belong to the robot: what is left is small, or no mistake explains it. Where a mistake is certain and
-/// harmless, what it is: the rows are to be read without it.
+/// Whether the data can belong to the robot: the residual is small, or no mistake explains it. Returns a mistake that is certain and
+/// harmless: the rows are then read without it.
 ///
 /// # Errors
 /// The mistake that explains the misfit, or that nothing does.
@@ -299,10 +299,10 @@ pub fn judge(
     let left = size_of(as_written, chain);
     let of_spread = explained(&found.geometric, data);
     let poorly = of_spread.iter().any(Explained::poorly);
-    // Zeros that explain the rows are what was asked for, however far they are from the drawing.
+    // Zeros that explain the rows are the wanted result, however far they are from the drawing.
     let met = options.freedom.zeros_alone() && left < SUSPICIOUS;
     let drawn = if met { left } else { size_of(misfit(&found.nominal, data), chain) };
-    // Written so that what is not a number is looked into.
+    // Written so that NaN is examined, too.
     if left < UNLIKE_ONE_ROBOT && drawn < NOMINAL_SUSPICIOUS {
         return Ok(None);
     }
@@ -344,10 +344,10 @@ pub fn judge(
     Err(Diagnosis::Refused { file: data.source.clone(), nominal, orientation, size: chain.size() })
 }
 
-/// Refuses data of which the fit explains nothing, however little is left.
+/// Refuses data of which the fit explains nothing, however small the residual.
 ///
 /// # Errors
-/// Some sort of value varies, is expected to, and most of it is left.
+/// A quantity varies, and is expected to, but most of its variation is not explained.
 pub fn explains_something(chain: &Chain, data: &Measurements, of_spread: &[Explained]) -> Result<(), Diagnosis> {
     let size = |part: &Explained| if part.unit == "m" { chain.size() } else { 1.0 };
     match of_spread.iter().find(|part| part.nothing(size(part))) {
@@ -359,7 +359,7 @@ pub fn explains_something(chain: &Chain, data: &Measurements, of_spread: &[Expla
     }
 }
 
-/// Looks for a mistake in how the data are written that explains what is left, and for two together where these are `bad`; whether
+/// Searches for a mistake in the data's notation that explains the residual, and for two together if the data are `bad`; also whether
 /// nothing else explains it nearly as well.
 fn mistaken(
     chain: &Chain,
@@ -388,7 +388,7 @@ fn mistaken(
     if !bad {
         return None;
     }
-    // Where little moves, two zeros imitate many another robot.
+    // If little moves, two zeros can imitate many other robots.
     let varied = spread_of_positions(data) > VARIED * chain.size();
     let mut pairs = if varied { try_all(&[], zeros_of(chain, data, &few, true)) } else { Vec::new() };
     let mut beam = singles;
@@ -471,12 +471,12 @@ impl Search<'_> {
         score.is_finite().then_some(Tried { score, missed, mistakes })
     }
 
-    /// The first of the best that is certain beside what is written, and whether it is beside the others, too. `before`: what the robot
-    /// as drawn misses on the few rows as written.
+    /// The first of the best that is certain compared with the rows as written, and whether it is compared with the others, too. `before`: the
+    /// error of the robot as drawn on the few rows as written.
     fn confirmed(&self, mut promising: Vec<Tried>, before: f64) -> Option<(Corrected, bool)> {
         promising.sort_by(|a, b| a.score.total_cmp(&b.score));
         let best = promising.first().map_or(0.0, |tried| tried.score);
-        // Of those that are alike what can be gone on with comes first; the sort is stable.
+        // Among equals, a mistake with which the run can continue comes first; the sort is stable.
         let alike_with_best = |tried: &Tried| tried.score <= ALIKE * best;
         let harmless = |tried: &Tried| tried.mistakes.iter().all(Mistake::harmless);
         promising.sort_by_key(|tried| if alike_with_best(tried) { u8::from(!harmless(tried)) } else { 2 });
@@ -512,7 +512,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether two suppositions speak of the same joints.
+/// Whether two assumptions concern the same joints.
 fn alike(one: &[Mistake], other: &[Mistake]) -> bool {
     let joints = |mistakes: &[Mistake]| -> Vec<String> {
         mistakes.iter().flat_map(Mistake::joints).map(str::to_owned).collect()

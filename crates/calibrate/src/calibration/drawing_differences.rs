@@ -1,4 +1,4 @@
-//! Where a robot is not what its drawing says: a link of another length, not a link made within its tolerance.
+//! Differences between a robot and its drawing far beyond tolerances, such as a link of another length.
 
 use denavit_identify::prior::covariance_of;
 use denavit_identify::solve::Fit;
@@ -6,19 +6,19 @@ use denavit_identify::symmetric;
 use denavit_model::nalgebra::DVector;
 use serde::Serialize;
 
-/// This many standard deviations of the prior are no tolerance any more; arms with hand-set wrists reach eleven.
+/// A deviation of this many standard deviations of the prior is beyond tolerances; arms with hand-set wrists reach eleven.
 const MANY_TOLERANCES: f64 = 15.0;
 /// And this many of the fit's own, or it may be chance.
 const SURE: f64 = 5.0;
 
-/// An axis that lies elsewhere than drawn, seen from the axes before it.
+/// An axis that deviates from its drawing, relative to the axes before it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrawingDifference {
     /// The parameter, such as `elbow_joint.move_x`.
     pub parameter: String,
     /// Its joint.
     pub joint: String,
-    /// How far it is off beyond what the axes before it say, in the unit.
+    /// Its deviation beyond that of the axes before it, in the unit.
     pub value: f64,
     /// `rad`, `m`, `m/rad` or `1`.
     pub unit: &'static str,

@@ -1,4 +1,4 @@
-//! How far the averaged prediction is expected to be off: among the measured postures, and with a joint outside of what was measured.
+//! Expected error of the averaged prediction: among the measured postures, and with a joint outside its measured range.
 
 use denavit_identify::arm::Row;
 use denavit_identify::averaging::Averaging;
@@ -8,12 +8,12 @@ use denavit_measurements::{Measurements, RecordedRow};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Measured postures that are looked at, and those of them for each end of a joint's limits.
+/// Measured postures that are evaluated, and those of them for each end of a joint's limits.
 const POSTURES: usize = 40;
 const FOR_EACH_END: usize = 12;
 /// A range that ends this near to the joint's own has no outside, rad or m.
 const AT_THE_END: f64 = 0.02;
-/// An error that is this many times the usual one is worth a line.
+/// An error above this multiple of the usual one is reported.
 const WORTH_SAYING: f64 = 1.5;
 
 /// Expected errors of the averaged prediction, m: lengths of the error vector, root mean square, an instrument's noise not in it.
@@ -27,7 +27,7 @@ pub struct Expected {
     pub outside: Vec<Outside>,
 }
 
-/// What is expected with one joint outside of its measured range.
+/// The expected error with one joint outside its measured range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outside {
     /// The joint.

@@ -1,4 +1,4 @@
-//! Whether what a calibration found are zeros of joints and little else: axes that turn by the same angles about the axes before.
+//! Whether a calibration found little more than zeros of joints: axes that turn by the same angles about the axes before.
 
 use crate::calibration::contract::{Identified, JointZeros};
 use denavit_identify::initial_guess::some_rows;
@@ -8,15 +8,15 @@ use denavit_identify::{Identification, IdentifyOptions, fit_stage};
 use denavit_measurements::Measurements;
 use denavit_model::Chain;
 
-/// Zeros must explain this share of the squares that the axes explain.
+/// Smallest share of what fitted axes explain (sums of squares) that zeros must explain.
 const NEARLY_ALL: f64 = 0.98;
-/// The robot as drawn must miss this many times what the axes leave.
+/// The error of the robot as drawn must be this many times that with fitted axes.
 const DRAWN_IS_WORSE: f64 = 2.0;
 /// One of the zeros must be larger than this, rad and m, and than this many of its standard deviations.
 const LARGE: f64 = 0.01;
 const SURE: f64 = 5.0;
 
-/// The zeros, if they explain nearly all that the axes do.
+/// The zeros, if they explain nearly as much as fitted axes.
 pub(super) fn joint_zeros(
     chain: &Chain,
     data: &Measurements,

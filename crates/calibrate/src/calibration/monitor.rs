@@ -1,11 +1,11 @@
-//! Checks while measuring: each row against what the rows before it predict, what is known by now, what to measure next.
+//! Checks while measuring: compares each row with the prediction of the rows before it, and gives the known parameters and the next pose.
 //!
 //! ```text
-//! a row more ─► compared with the fit of the rows before ─► out of line? then what would explain it ─► fitted again
+//! new row ─► compared with the fit of the rows before ─► out of line? then possible causes are tested ─► fitted again
 //! ```
-//! With J the row's Jacobian, C the covariance of the fit and σ its noise, measured less predicted r has the covariance
-//! S = J C Jᵀ + σ², and rᵀ S⁻¹ r over its number of values follows F with the degrees of freedom of the noise. A row far beyond
-//! that, as far as a fit's gross outliers are, is out of line: it is left out of the fit until later rows make it likely.
+//! With J the row's Jacobian, C the covariance of the fit and σ its noise, the prediction error r has the covariance
+//! S = J C Jᵀ + σ², and rᵀ S⁻¹ r over its number of values has an F distribution with the degrees of freedom of the noise. A row as far
+//! beyond that as a fit's gross outliers is out of line: it does not fit, and is left out of the fit until later rows support it.
 
 mod suspects;
 
@@ -29,27 +29,27 @@ use std::collections::BTreeSet;
 
 /// Name and version of the status as JSON.
 pub const SCHEMA: &str = "denavit.measure/1";
-/// The data know a parameter when they leave no more than this share of what was known of it before.
+/// A parameter is known if its standard deviation is at most this share of the prior's.
 const KNOWN_SHARE: f64 = 0.5;
 /// This many of the least known parameters are named.
 const WORST: usize = 3;
-/// Rows of which a mistake in how the data are written is looked for: this many, twice, four times as many and so on.
+/// Numbers of rows at which mistakes in the data's notation are searched for: this, twice, four times as many and so on.
 const ROWS_TO_DIAGNOSE: usize = 20;
-/// All rows are fitted again after each row up to this many, then after every fiftieth part more.
+/// All rows are fitted again after each row up to this many, then after each growth by a fiftieth.
 const FIT_EVERY_ROW: usize = 50;
 
-/// What is said of a row that repeats the one before.
+/// Note on a row that repeats the one before.
 const LATE: &str =
     "the instrument repeats the row before, digit for digit, although a joint moved: its reading came late";
 
-/// A row's residual and what was to be expected of it, by noise channel.
+/// A row's residual and its expected size, by noise channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Off {
     /// What it is of, such as `position`.
     pub what: &'static str,
     /// Measured less predicted by the rows before: root mean square of the norms over what the row observes.
     pub error: f64,
-    /// Its standard deviation: noise, and what is not known yet.
+    /// Its standard deviation: noise and parameter uncertainty.
     pub expected: f64,
     /// `m` or `rad`.
     pub unit: &'static str,
@@ -67,20 +67,20 @@ pub struct OutOfLine {
     pub targets: Vec<String>,
     /// How many rows one after another are out of line, this one included.
     pub rows: usize,
-    /// What would explain them, the likeliest first; empty where nothing that is looked for does.
+    /// Possible causes, the likeliest first; empty if no tested cause explains them.
     pub explanations: Vec<String>,
-    /// Whether more rows are needed to look for everything: one position cannot tell another reflector from a moved base.
+    /// Whether more rows are needed to test every cause: one position cannot distinguish another reflector from a moved base.
     pub undecided: bool,
 }
 
-/// A parameter that is known badly.
+/// A poorly known parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Uncertain {
     /// Its name.
     pub parameter: String,
     /// Its standard deviation, in its unit.
     pub std: f64,
-    /// What a machine shop holds, in its unit.
+    /// Its manufacturing tolerance, in its unit.
     pub tolerance: f64,
     /// Its unit.
     pub unit: &'static str,
@@ -92,48 +92,48 @@ pub struct Uncertain {
 /// How well the robot's parameters are known.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Known {
-    /// Parameters that measurements of this kind could tell.
+    /// Parameters that measurements of this kind can identify.
     pub identifiable: usize,
-    /// Those that the data know better than their tolerance, and twice as well as what was known before.
+    /// Those that the data determine better than their tolerance, and twice as well as the prior.
     pub known: usize,
     /// Joints that have not moved yet: nothing is known of their axes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unmoved: Vec<String>,
     /// The least known, in units of their tolerance.
     pub worst: Vec<Uncertain>,
-    /// How surely what is measured is predicted over the joint range, noise left out: standard deviation, m.
+    /// Standard deviation of the prediction over the joint range, without noise, m.
     pub prediction_std_m: Option<f64>,
 }
 
-/// What is known once a row is there.
+/// The status after a row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RowStatus {
     /// The row, counted from 1.
     pub row: usize,
     /// Its line in the file.
     pub line: usize,
-    /// Whether the rows before it could predict it well enough to judge it.
+    /// Whether the rows before it predict it well enough for a check.
     pub judged: bool,
     /// Whether it is an exact copy of an earlier row, which is not counted again.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub copy: bool,
     /// Measured less predicted; empty while nothing can be predicted.
     pub off: Vec<Off>,
-    /// How the readings of all rows are taken from here on, where they do not fit the robot as they are written.
+    /// How the readings of all rows are interpreted from here on, if they do not fit the robot as written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_as: Option<ReadAs>,
     /// Why it is out of line, if it is.
     pub out_of_line: Option<OutOfLine>,
     /// Lines of all rows that are out of line by now.
     pub lines_out_of_line: Vec<usize>,
-    /// Numbers that are missing before instrument and target can be placed; 0 from then on.
+    /// Further measured numbers needed to place instrument and target; then 0.
     pub missing_numbers: usize,
     /// Noise of one component, by channel; empty while there is no fit.
     pub noise: Vec<Off>,
-    /// How well the parameters are known; absent while there is no fit, and where the fit was put off to a later row.
+    /// How well the parameters are known; absent while there is no fit, and if the fit was postponed to a later row.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub known: Option<Known>,
-    /// The posture that would help most next, by joint: rad or m.
+    /// The most informative next posture, by joint: rad or m.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "by_name")]
     pub next: Option<Vec<(String, f64)>>,
 }
@@ -164,7 +164,7 @@ pub struct Monitor {
     out: BTreeSet<usize>,
     /// Rows that are exact copies of earlier ones.
     copies: BTreeSet<usize>,
-    /// How readings are taken that are written otherwise than the robot is drawn, one after another.
+    /// Corrections of readings that do not agree with the drawing, one after another.
     corrected: Vec<Corrected>,
 }
 
@@ -201,8 +201,7 @@ impl Monitor {
         self.out.iter().map(|&row| rows.lines[row]).collect()
     }
 
-    /// Takes the rows that are new in these, which begin with those of before, and tells the status of each; continues while it
-    /// is told to.
+    /// Processes the new rows among these, which begin with the earlier ones, and reports the status of each, until the callback stops it.
     ///
     /// # Errors
     /// The rows do not belong to this robot as they are written.
@@ -258,7 +257,7 @@ impl Monitor {
                 reread = corrected.applied(&self.chain, data.clone());
                 data = &reread;
                 self.corrected.push(corrected);
-                // What was said of rows as they were written no longer holds.
+                // The status of rows as written is no longer valid.
                 self.fit = None;
                 self.out.clear();
                 (off, judged, why) = (Vec::new(), false, None);
@@ -291,7 +290,7 @@ impl Monitor {
         !self.out.contains(&row) && !self.copies.contains(&row)
     }
 
-    /// Fits all rows but copies and those out of line, and lets rows back in that the fit then predicts.
+    /// Fits all rows except copies and rows out of line, and readmits rows that the fit then predicts.
     fn refit(&mut self, data: &Measurements) {
         let options = self.options.identify.for_data(&self.chain, data);
         let weights: Vec<f64> = (0..data.len())
@@ -316,17 +315,17 @@ impl Monitor {
         self.fit = Some(Fitted { fit, data: data.clone(), judges });
     }
 
-    /// The rows as they are taken.
+    /// The rows with corrected readings.
     fn as_read(&self, data: Measurements) -> Measurements {
         self.corrected.iter().fold(data, |data, corrected| corrected.applied(&self.chain, data))
     }
 
-    /// What the controller reads where the joints stand so; `None` where no reading is taken for it.
+    /// The controller's readings at these joint values; `None` if no reading corresponds to them.
     fn as_written(&self, joints: Vec<f64>) -> Option<Vec<f64>> {
         if self.corrected.is_empty() {
             return Some(joints);
         }
-        // Readings are taken for others by a linear map and a shift.
+        // Readings are corrected by a linear map and a shift.
         let n = joints.len();
         let names = self.chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
         let mut rows = Measurements::empty("readings", names, Scene::default());
@@ -340,7 +339,7 @@ impl Monitor {
         Some(map.lu().solve(&away)?.iter().copied().collect())
     }
 
-    /// Looks for a mistake in how the data are written, now and then: one to continue without, where it is harmless.
+    /// At certain numbers of rows, searches for a mistake in the data's notation; a harmless mistake is corrected, and the run continues.
     fn diagnose(&self, data: &Measurements) -> Result<Option<Corrected>, Diagnosis> {
         let parts = data.len() / ROWS_TO_DIAGNOSE;
         if !data.len().is_multiple_of(ROWS_TO_DIAGNOSE) || !parts.is_power_of_two() {
@@ -370,7 +369,7 @@ impl Monitor {
 }
 
 impl Fitted {
-    /// Whether the fit knows everything that the last row speaks of.
+    /// Whether the fit has every frame and target of the last row.
     fn fits(&self, data: &Measurements) -> bool {
         self.data.scene == data.scene
     }
@@ -449,7 +448,7 @@ impl Prediction {
     /// Why these rows are out of line; `None` where they are not.
     fn out_of_line(&self, fit: &Fit<NoEffects>, data: &Measurements) -> Option<OutOfLine> {
         let degrees = fit.degrees_of_freedom();
-        // Each observation of each row so far may be out by chance.
+        // Each observation of each row so far may be an outlier by chance.
         let share = FALSE_REJECTIONS / data.observations().max(1) as f64;
         let mut worst: Option<OutOfLine> = None;
         let mut targets = Vec::new();

@@ -12,12 +12,11 @@ use std::sync::Arc;
 
 /// Poses that the report speaks of.
 pub const MORE_POSES: usize = 20;
-/// Candidates among which it looks for them.
+/// Number of candidates for them.
 const FEW_CANDIDATES: usize = 60;
 
 impl Calibration {
-    /// The sets of causes that the run leaves possible; where nothing is open the one model that was adopted, with its geometry,
-    /// effects and curves.
+    /// The possible sets of causes of the run; if no cause is uncertain, only the adopted model, with its geometry, effects and curves.
     pub fn open(&self, statics: &Statics) -> Arc<Open> {
         if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
             return open;
@@ -30,8 +29,8 @@ impl Calibration {
         Arc::new(Open::of_fit(&survey, &self.train, &fit, &geometric.arm))
     }
 
-    /// Chooses poses to measure next: those that distinguish the causes that the run cannot, else those that make the prediction
-    /// surest; see [`tell_apart`](crate::apply::plan::tell_apart).
+    /// Chooses poses to measure next: those that distinguish causes that the run cannot, else those that reduce the variance of the
+    /// prediction; see [`tell_apart`](crate::apply::plan::tell_apart).
     ///
     /// # Errors
     /// Too few candidates, one of the wrong length, an observation that holds the target; a system without a solution.
@@ -39,7 +38,7 @@ impl Calibration {
         tell_apart(&self.open(statics), &self.train, options)
     }
 
-    /// What some more poses would decide about the causes that are not named; none where all are, or where nobody can choose poses. Cheap: few candidates.
+    /// What further poses would decide about causes that are not named; `None` if all are named or poses cannot be planned. Cheap: few candidates.
     pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
         if self.report.one_of.is_empty() {
             return None;

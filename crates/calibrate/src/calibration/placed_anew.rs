@@ -1,4 +1,4 @@
-//! An instrument or a target that was placed anew before the test rows were measured: they then miss by a motion, not by the robot.
+//! An instrument or a target that was moved before the test rows were measured: their error is then a motion, not that of the robot.
 
 use denavit_identify::arm::Arm;
 use denavit_identify::parameters::{Freedom, Layout, NoEffects, Tolerances};
@@ -9,25 +9,25 @@ use denavit_model::Pose;
 use denavit_model::nalgebra::{Point3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// The test rows must miss by this many times what the fitted ones do, and become so much better.
+/// The test rows' error must be this many times that of the fitted rows, and improve by this factor.
 const ORDER: f64 = 10.0;
-/// And then be as good as the fitted ones, within this factor.
+/// And then be as small as that of the fitted rows, within this factor.
 const AS_GOOD: f64 = 3.0;
-/// Below this share of the robot's size a miss is an effect.
+/// Below this share of the robot's size an error is an effect.
 const SUSPICIOUS: f64 = 5e-4;
 /// Numbers beyond those that place everything.
 const SPARE: usize = 12;
-/// What moved by less than this share of what moved most is taken to stand where it stood.
+/// A motion below this share of the largest one is not listed.
 const STOOD: f64 = 0.1;
 
-/// What was placed anew, as the test rows show it.
+/// Moved instruments, targets and points, estimated from the test rows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlacedAnew {
     /// What moved, the farthest first.
     pub moved: Vec<Moved>,
-    /// Median error of the test rows where everything stands as it did, m.
+    /// Median error of the test rows without the motions, m.
     pub before_m: f64,
-    /// Median error of the test rows where it stands anew, m.
+    /// Median error of the test rows with the motions, m.
     pub after_m: f64,
     /// For each setup of the test rows instrument_from_instrument, for each target target_from_target, and the change of each point.
     #[serde(skip)]
@@ -46,7 +46,7 @@ pub struct Moved {
 }
 
 impl PlacedAnew {
-    /// What the test rows say of the fitted arm's surroundings; `None` where these stand as they did, or the rows do not tell.
+    /// Motions of the fitted arm's surroundings before the test rows; `None` if there are none, or the rows do not determine them.
     pub(super) fn find(fitted: &Fit<NoEffects>, train: &Measurements, test: &Measurements) -> Option<Self> {
         let arm = placed(fitted, train, test).ok()?;
         if test.values() < super::diagnosis::needed_to_place(&test.scene) + SPARE {
@@ -76,7 +76,7 @@ impl PlacedAnew {
         Some(found)
     }
 
-    /// The arm among its surroundings as the test rows have them.
+    /// The arm with the surroundings of the test rows.
     pub(super) fn apply(&self, arm: &mut Arm) {
         let (instruments, targets, points) = &self.frames;
         arm.instruments.iter_mut().zip(instruments).for_each(|(frame, change)| *frame = change * *frame);
@@ -122,8 +122,8 @@ impl PlacedAnew {
         };
         let parts: Vec<String> = self.moved.iter().map(part).collect();
         format!(
-            "the test rows are judged as if this had been placed anew before them: {}; they then miss by {:.3} mm instead of {:.3} mm \
-             (medians). If nothing was moved, the robot is not as it was",
+            "the test rows are evaluated as if this had been moved before them: {}; their error is then {:.3} mm instead of {:.3} mm \
+             (medians). If nothing was moved, the robot has changed",
             parts.join(", "),
             self.after_m * 1e3,
             self.before_m * 1e3

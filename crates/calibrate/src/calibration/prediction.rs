@@ -7,17 +7,17 @@ use denavit_identify::residual_statistics::{Errors, Residual, TestError, bound_l
 use denavit_identify::solve::Fit;
 use denavit_measurements::Measurements;
 
-/// How far later rows are from what the calibrated model says of them.
+/// Errors of the calibrated model's predictions for later rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
-    /// Of every sort that was measured.
+    /// For every measured quantity.
     pub errors: Errors,
     /// Row by row; `locate` rows left out.
     pub residuals: Vec<Residual>,
 }
 
 impl Calibration {
-    /// Hold the model that was adopted, effects included, against rows measured after the fitted ones; sockets are new places.
+    /// Compare the adopted model, effects included, with rows measured after the fitted ones; sockets count as new positions.
     ///
     /// # Errors
     /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.

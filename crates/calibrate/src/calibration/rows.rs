@@ -1,4 +1,4 @@
-//! The residual of every row at the adopted stage, and where instruments, targets and points were found: what an engineer
+//! The residual of every row at the adopted stage, and the estimated places of instruments, targets and points, which an engineer
 //! who knows the cell checks first.
 
 use crate::calibration::Calibration;
@@ -24,10 +24,10 @@ const ROWS_AT_ONCE: usize = 4096;
 pub struct RowEntry {
     /// The row's line in its file.
     pub line: usize,
-    /// Setup that it was measured in; left out where there is one alone.
+    /// Setup that it was measured in; left out if there is only one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub setup: String,
-    /// Target; left out where there is one alone.
+    /// Target; left out if there is only one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub target: String,
     /// Corner of the board; left out where no camera sees one.
@@ -62,7 +62,7 @@ pub struct Placed {
     pub quaternion: Option<[f64; 4]>,
 }
 
-/// Where everything beside the robot was found.
+/// Estimated places of instruments, targets and points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Placements {
     /// instrument_from_base of each setup whose instrument's frame was seen; of a plane a frame in which it is z = 0, of gravity one in which it
@@ -75,14 +75,14 @@ pub struct Placements {
     pub points: Vec<Placed>,
 }
 
-/// Residuals of the adopted model, fitted rows first. An entry is computed when it is asked for: the rows
-/// may be a million, and most that are calibrated with a million never look at them.
+/// Residuals of the adopted model, fitted rows first. An entry is computed on request: there may be a million rows, and few users
+/// of a million rows read them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rows {
     parts: Vec<FileResiduals>,
 }
 
-/// What is left of the observations of one file: what it is computed from.
+/// The inputs for the residuals of one file.
 #[derive(Debug, Clone, PartialEq)]
 struct FileResiduals {
     data: Arc<Measurements>,

@@ -1,4 +1,4 @@
-//! The stages of a calibration: how far each is off, which one is handed on, and the residuals of all for who asks.
+//! The stages of a calibration: the error of each, which one is adopted, and residuals on request.
 
 use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
@@ -19,13 +19,13 @@ use denavit_trace::infer::curves::CurveFit;
 use denavit_trace::{Finding, Trace};
 use std::borrow::Cow;
 
-/// What the stages are called that others are built on: the axes alone, and an earlier model brought up to date.
+/// Names of the stages that others are built on: the axes alone, and an updated earlier model.
 const GEOMETRIC: &str = "geometric";
 const UPDATED: &str = "updated";
 /// The last stage: everything that may act, averaged.
 const AVERAGED: &str = "averaged";
 
-/// A stage that holds geometry alone: its name, what it is adopted as, its fit.
+/// A stage with geometry alone: its name, its kind when adopted, its fit.
 pub(super) type GeometricStage<'a> = (&'static str, Adopted, &'a Fit<NoEffects>);
 
 /// Residuals of one stage.
@@ -49,7 +49,7 @@ impl StageResiduals {
 }
 
 impl Calibration {
-    /// Residuals, stage by stage: computed when they are asked for, as nobody keeps those of a million rows.
+    /// Residuals, stage by stage, computed on request: there may be a million rows.
     pub fn residuals(&self) -> Vec<StageResiduals> {
         let (train, test) = (&*self.train, self.test.as_deref());
         let geometry = geometric_stages(&self.identification, self.carried.is_some()).into_iter();
@@ -60,7 +60,7 @@ impl Calibration {
         geometry.chain(beyond).chain(averaged).collect()
     }
 
-    /// The robot as drawn and the last stage, residuals of the fitted rows alone: what plots show beside each other.
+    /// The robot as drawn and the last stage, with residuals of the fitted rows, for plots.
     pub fn first_and_last(&self) -> [StageResiduals; 2] {
         let geometry = geometric_stages(&self.identification, self.carried.is_some());
         let of_geometry = |index: usize| {
@@ -184,8 +184,8 @@ impl<'a> Stages<'a> {
         self.done.iter().rposition(|stage| stage.converged).unwrap_or(0)
     }
 
-    /// Marks the stage that is handed on, the last one that converged, and returns its index. Held-out rows choose none: what is worse on
-    /// them than the stage before is marked so.
+    /// Marks the adopted stage, the last one that converged, and returns its index. Held-out rows do not choose a stage: a stage that is worse
+    /// on them than the one before is marked.
     pub fn adopt(&mut self) -> usize {
         let mut before = 0;
         for stage in 1..self.done.len() {
@@ -210,16 +210,16 @@ pub(super) struct Beyond<'a> {
     pub fit: Cow<'a, Fit<EffectModel>>,
     /// Of its curves.
     pub gains: Vec<f64>,
-    /// Of what joints give under gravity beside them: its last effects.
+    /// Of deflections under gravity: its last effects.
     pub deflections: Vec<f64>,
     /// How many of its curves were fitted to these rows: the first ones. The others are those of an earlier calibration.
     pub own_curves: usize,
-    /// How its curves are unsure.
+    /// Uncertainty of its curves.
     pub modes: Cow<'a, CurveModes>,
 }
 
-/// An earlier model as it was and brought up to date; curves alone; effects alone, where there are curves beside them; both. What was
-/// found beside an earlier model is put together with it.
+/// An earlier model, as it was and updated; curves alone; effects alone, if there are also curves; both. What was found in addition to an
+/// earlier model is combined with it.
 pub(super) fn beyond<'a>(
     carried: Option<&'a Carried>,
     curves: Option<&'a CurveFit>,
@@ -278,7 +278,7 @@ pub(super) fn beyond<'a>(
     stages
 }
 
-/// A stage by its effects; those of which one acts and nobody can say which are marked.
+/// The name of a stage from its effects; effects of uncertain cause are marked.
 fn stage_name(base: &str, found: &Trace) -> String {
     let of = |finding: &Finding| {
         let doubt = if finding.named { "" } else { "?" };

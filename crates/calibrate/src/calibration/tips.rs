@@ -1,4 +1,4 @@
-//! Several tips of one robot: what a calibration of them can do, and how well each came out.
+//! Several tips of one robot: what their calibration supports, and the error of each.
 
 use super::{CalibrateError, CalibrateOptions};
 use crate::calibration::contract::TipEntry;
@@ -23,7 +23,7 @@ fn rows(data: &Measurements, tip: usize) -> usize {
     (0..data.len()).filter(|&row| data.tip_of(row) == tip && !data.of_row(row).is_empty()).count()
 }
 
-/// The tips and how far each is off at a stage; none where there is one alone. `left`: the residuals of the fitted rows that were
+/// The tips and the error of each at a stage; empty for a single tip. `left`: the residuals of the fitted rows that were
 /// kept.
 pub(super) fn entries(
     chain: &Chain,

@@ -1,5 +1,4 @@
-//! How far each axis is from its drawing and how sure that is, as text: standard deviations, what the data tell weakly,
-//! what they tell only together.
+//! How far each axis is from its drawing, as text: standard deviations, poorly identified parameters, strong correlations.
 
 use crate::report::tables::{correlations, table};
 use denavit_identify::parameters::ParameterKind;
@@ -7,15 +6,15 @@ use denavit_identify::solve::Fit;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A parameter whose spread is more than this share of the prior's is known weakly.
+/// A parameter whose spread is more than this share of the prior's is poorly identified.
 const WEAK: f64 = 0.5;
 /// Correlations above this are strong.
 const STRONG: f64 = 0.9;
-/// No more of them are listed.
+/// Number of pairs listed.
 const LISTED: usize = 5;
 
-/// One line per joint: how far its axis is turned and moved, with standard deviations; then what is weak and what is
-/// correlated.
+/// One line per joint: how far its axis is turned and moved, with standard deviations; then the poorly identified and the
+/// correlated parameters.
 pub fn axes<E>(fit: &Fit<E>) -> String {
     let difference = fit.layout.difference(&fit.arm, &fit.arm);
     let joints = &fit.arm.nominal.joints();
@@ -53,7 +52,7 @@ pub fn axes<E>(fit: &Fit<E>) -> String {
         .map(|(held, name)| format!("{name} ({:.0} %)", 100.0 * held))
         .collect();
     if !weak.is_empty() {
-        let by = if fit.layout.prior.is_of_drawing() { "the drawing" } else { "what was known before" };
+        let by = if fit.layout.prior.is_of_drawing() { "the drawing" } else { "their earlier values" };
         let _ = writeln!(text, "poorly identified, kept near {by} by the prior: {}", weak.join(", "));
     }
     // As printed, ties by name: where two parameters are one in the common frame, only rounding orders their pairs.

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Version of the JSON.
 pub const SCHEMA: &str = "denavit.commands/1";
 
-/// What is expected of the commands that reach their poses, and the rows of `lines` that do not or that leave the limits.
+/// The expected error of the commands that reach their poses, and the rows of `lines` that do not or that leave the limits.
 pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> String {
     let reached: Vec<&Command> = commands.iter().filter(|command| allowed.reached_by(command)).collect();
     let mut text = format!("{} of {} poses reached", reached.len(), commands.len());
@@ -33,7 +33,7 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
         if allowed.reached_by(command) && !command.keeps_configuration {
             let _ = writeln!(
                 text,
-                "line {line}: the arm takes another configuration than before; none that keeps it was found for this pose"
+                "line {line}: the arm changes its configuration; no solution in the previous one was found for this pose"
             );
         }
         if !allowed.reached_by(command) {
@@ -51,7 +51,7 @@ pub fn summary(commands: &[Command], lines: &[usize], allowed: Allowed) -> Strin
     text
 }
 
-/// Commands as CSV: `comments`, then joint values and what each is expected to miss with and without compensation, in
+/// Commands as CSV: `comments`, then joint values and the expected errors with and without compensation, in
 /// `units`, which the columns name.
 pub fn to_csv(chain: &Chain, commands: &[Command], allowed: Allowed, units: Units, comments: &str) -> String {
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Plots of error curves and of what joints give under gravity.
+//! Plots of error curves and of the deflection of joints under gravity.
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::CurveEntry;
@@ -31,7 +31,7 @@ pub fn curve(entry: &CurveEntry) -> Result<Plot, PlotError> {
             .x_label_area_size(36)
             .y_label_area_size(62)
             .build_cartesian_2d(low_x..high_x, low_y..high_y)?;
-        let words = (format!("reading, {unit}"), format!("added to it, {small}"));
+        let words = (format!("reading, {unit}"), format!("added to the reading, {small}"));
         chart.configure_mesh().light_line_style(TRANSPARENT).x_desc(words.0).y_desc(words.1).draw()?;
         chart.draw_series(std::iter::once(Polygon::new(band, AFTER.mix(0.2))))?;
         chart.draw_series(LineSeries::new(line, AFTER.stroke_width(2)))?;
@@ -40,8 +40,8 @@ pub fn curve(entry: &CurveEntry) -> Result<Plot, PlotError> {
     Ok(Plot { svg: drawn, caption: format!("{}: error curve and its 95 % band, no cause claimed", entry.joint) })
 }
 
-/// For each joint that gives under gravity beside the curves how far it turns in the fitted rows, against its own reading: where the
-/// points of one reading lie apart, the other joints make the difference.
+/// For each joint with a deflection under gravity besides the curves: the deflection in the fitted rows against the joint's reading.
+/// Points of one reading lie apart because of the other joints.
 ///
 /// # Errors
 /// A value is not finite.
@@ -55,9 +55,9 @@ pub fn fields(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
         let reading = |row: usize| joint.map_or(0.0, |joint| joint.value(result.train.reading(row)));
         let points: Vec<(f64, f64)> =
             turned.iter().enumerate().step_by(stride).map(|(row, turned)| (reading(row), turned * 1e3)).collect();
-        let words = ["reading, rad", "turned by gravity, mrad"];
+        let words = ["reading, rad", "deflection under gravity, mrad"];
         let place = effect.term.carrier.place(&fit.effects.statics.chain);
-        let caption = format!("{place}: what it gives under gravity in the fitted rows; other joints spread it");
+        let caption = format!("{place}: deflection under gravity in the fitted rows; it depends on other joints, too");
         Ok(Plot { svg: scatter(&[(&points, AFTER)], &Vec::new(), words)?, caption })
     };
     effects[effects.len() - result.report.fields.len()..].iter().map(plot).collect()

@@ -55,11 +55,13 @@ impl FieldEntry {
     }
 }
 
-/// What joints give under gravity, one line each.
+/// Deflections of joints under gravity, one line each.
 pub fn fields(fields: &[FieldEntry]) -> String {
     let line = |field: &FieldEntry| {
         let (joint, rms, unit) = (&field.joint, field.rms * 1e3, if field.unit == "m" { "mm" } else { "mrad" });
-        format!("joint {joint} gives under gravity, rms {rms:.3} {unit}: fitted beside the curves, no cause claimed\n")
+        format!(
+            "deflection of joint {joint} under gravity, rms {rms:.3} {unit}: fitted with the curves, no cause claimed\n"
+        )
     };
     fields.iter().map(line).collect()
 }

@@ -1,4 +1,4 @@
-//! Nominal, actual, delta, with standard deviations: what a controller's table is to be changed by.
+//! Nominal, actual and delta with standard deviations: the changes to a controller's table.
 
 use crate::calibration::Calibration;
 use denavit_dh::convert::HAYATI_BELOW;
@@ -18,7 +18,7 @@ use thiserror::Error;
 pub enum DeltasError {
     /// The nominal table is another robot's.
     #[error(
-        "the nominal table misses the robot as drawn by up to {miss:.1} mm; name the table that the controller's figures are added to"
+        "the nominal table differs from the robot as drawn by up to {miss:.1} mm; name the table to which the controller adds its numbers"
     )]
     OtherRobot {
         /// mm.

@@ -21,7 +21,7 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Kind, place and what it follows.
+/// Kind, place and driver.
 fn title(finding: &Finding, trace: &Trace) -> String {
     let mut title = format!("{} at {}", finding.term.kind.name(), finding.place);
     if let Some(driver) = finding.driven_by() {
@@ -45,7 +45,7 @@ fn likeliest(finding: &Finding) -> Kind {
     best.filter(|_| !finding.named).map_or(finding.term.kind, |rival| rival.kind)
 }
 
-/// A probability that is nearly 1 or nearly 0 is not written as if it were.
+/// A probability in percent; not rounded to 0 or 100.
 fn percent(probability: f64) -> String {
     match probability {
         p if p > 0.995 => "over 99 %".into(),
@@ -54,16 +54,16 @@ fn percent(probability: f64) -> String {
     }
 }
 
-/// What a page says above and below an effect's name.
+/// The texts of an effect on a page.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Said {
-    /// The effect where it is named; else all that may act, each with its probability.
+    /// The effect if it is named; else all alternatives, each with its probability.
     pub title: String,
-    /// Whether it is sure enough to be named.
+    /// Whether it is certain enough to be named.
     pub named: bool,
     /// Its numbers with their standard deviations.
     pub numbers: Vec<String>,
-    /// How sure it is.
+    /// The evidence for it.
     pub why: String,
     /// Alternatives to a named one.
     pub rivals: Option<String>,
@@ -122,7 +122,7 @@ fn places(trace: &Trace) -> String {
     trace.unexplained.places.iter().map(place).collect::<Vec<_>>().join(", ")
 }
 
-/// What the list of effects is headed with: how sure the surest is, of how many candidates.
+/// The heading of the list of effects: whether a cause is named, and the number of candidates.
 pub fn heading(trace: &Trace) -> String {
     let what = if trace.findings.is_empty() {
         let beside = if trace.fit.effects.curves.is_empty() { "" } else { " and error curves" };
@@ -135,7 +135,7 @@ pub fn heading(trace: &Trace) -> String {
     format!("{what}, of {} candidates", trace.candidates)
 }
 
-/// What it ends with: unexplained structure.
+/// The last line of the list: unexplained structure.
 pub fn ending(trace: &Trace) -> String {
     let left = &trace.unexplained;
     let chance = probability(left.p_value);

@@ -28,7 +28,7 @@ pub enum PageError {
     Template(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// The page: summary, effects beside what drives them, the scan, what remains, residuals on the robot and against each
+/// The page: summary, effects against their drivers, the scan, residuals, residuals on the robot and against each
 /// joint, parameters.
 ///
 /// # Errors
@@ -71,7 +71,7 @@ pub fn page(result: &Calibration) -> Result<String, PageError> {
         .map_err(|error| PageError::Template(Box::new(error)))
 }
 
-/// Error curves, then what joints give under gravity beside them.
+/// Error curves, then deflections of joints under gravity.
 fn curves(result: &Calibration) -> Result<Vec<Plot>, PlotError> {
     let mut plots = result.report.curves.iter().map(curve_plots::curve).collect::<Result<Vec<Plot>, PlotError>>()?;
     plots.extend(curve_plots::fields(result)?);
@@ -111,7 +111,7 @@ struct ScanLine {
     cells: Vec<Option<ScanShown>>,
 }
 
-/// How much the criterion falls, and how dark that is drawn, 0 to 1.
+/// Decrease of the criterion, and the darkness of its cell, 0 to 1.
 #[derive(Serialize)]
 struct ScanShown {
     delta_bic: f64,

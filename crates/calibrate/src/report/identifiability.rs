@@ -1,4 +1,4 @@
-//! What measurements can tell of a robot, as text and as JSON.
+//! Which parameters of a robot measurements can identify, as text and as JSON.
 
 use crate::report::tables::table;
 use denavit_identify::dh_form::DhForm;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Version of the JSON.
 pub const SCHEMA: &str = "denavit.identifiability/1";
 
-/// The paper's count beside the rank, for each kind of measurement; then what is unidentifiable and why.
+/// The paper's count and the rank, for each kind of measurement; then what is unidentifiable and why.
 pub fn identifiability(found: &[Identifiability]) -> String {
     let mut rows = vec![["measured", "count", "", "rank", "weakest"].map(String::from).to_vec()];
     for one in found {
@@ -34,13 +34,13 @@ pub fn identifiability(found: &[Identifiability]) -> String {
     text
 }
 
-/// Why joint offsets are no parameters.
-const OFFSETS: &str = "beside free axes and tool no measurement identifies them";
+/// Why joint offsets are not parameters.
+const OFFSETS: &str = "with free axes and tool, no measurement identifies them";
 
-/// What no measurement tells of this form: joint offsets beside the tool, the place of slides.
+/// What no measurement identifies in this form: joint offsets, and the position of slides' axes.
 pub fn never_identifiable(chain: &Chain) -> String {
     let joints = chain.joints();
-    let mut text = format!("joint offsets ({}) are no parameters of this form: {OFFSETS}\n", joints.len());
+    let mut text = format!("joint offsets ({}) are not parameters of this form: {OFFSETS}\n", joints.len());
     let slides: Vec<String> = joints
         .iter()
         .filter(|joint| matches!(joint.screw, Screw::Prismatic(_)))
@@ -49,14 +49,14 @@ pub fn never_identifiable(chain: &Chain) -> String {
     if !slides.is_empty() {
         let _ = writeln!(
             text,
-            "{} slides: its axis has a direction, and no place that a measurement could identify",
+            "{} slides: measurements identify the direction of its axis, not its position",
             slides.join(", ")
         );
     }
     text
 }
 
-/// The D-H form of a chain: its numbers, how many are too many and where, and what it cannot say.
+/// The D-H form of a chain: its numbers, how many are redundant and where, and what it cannot express.
 pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
     let name = |index: usize| chain.joints()[index].name.as_str();
     let mut text = format!(
@@ -73,8 +73,11 @@ pub fn dh_form(form: &DhForm, chain: &Chain) -> String {
         );
     }
     for &slide in &form.prismatic {
-        let _ =
-            writeln!(text, "  \"{}\" slides: its axis has no place, so two numbers beside it are free", name(slide));
+        let _ = writeln!(
+            text,
+            "  \"{}\" slides: its axis has no position, so two numbers next to it are free",
+            name(slide)
+        );
     }
     text
 }

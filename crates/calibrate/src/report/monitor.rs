@@ -13,7 +13,7 @@ fn size(value: f64, unit: &str) -> String {
         "rad" => (value * 1e3, "mrad"),
         other => (value, other),
     };
-    // Three digits that count.
+    // Three significant digits.
     let decimals = if value < 0.1 {
         4
     } else if value < 10.0 {
@@ -35,7 +35,7 @@ fn uncertain(parameter: &Uncertain) -> String {
     format!("{} ± {}{after}", parameter.parameter, size(parameter.std, parameter.unit))
 }
 
-/// How far a row is off, and why where it is out of line.
+/// How far a row is off, and why it does not fit, if so.
 pub fn row(status: &RowStatus) -> String {
     let mut text = String::new();
     if let Some(read_as) = &status.read_as {
@@ -43,7 +43,7 @@ pub fn row(status: &RowStatus) -> String {
     }
     let _ = write!(text, "line {}: ", status.line);
     if let Some(why) = &status.out_of_line {
-        text.push_str("OUT OF LINE, ");
+        text.push_str("DOES NOT FIT, ");
         if !why.targets.is_empty() {
             let _ = write!(text, "target {}, ", why.targets.join(", "));
         }
@@ -66,15 +66,17 @@ pub fn row(status: &RowStatus) -> String {
     }
     if let Some(why) = &status.out_of_line {
         if why.rows > 1 {
-            let _ = write!(text, "; {} rows one after another", why.rows);
+            let _ = write!(text, "; {} rows in succession", why.rows);
         }
         match &why.explanations[..] {
             [] if why.undecided => {
-                text.push_str("; too few such rows yet to tell another reflector from a moved instrument or base");
+                text.push_str(
+                    "; too few such rows yet to distinguish another reflector from a moved instrument or base",
+                );
             }
             [] => text.push_str("; neither a joint, nor a target, nor the instrument alone explains it"),
             found => {
-                let _ = write!(text, "; as if {}", found.join("; or "));
+                let _ = write!(text, "; possible cause: {}", found.join("; or "));
             }
         }
     }
@@ -116,11 +118,15 @@ pub fn knowledge(status: &RowStatus, chain: &Chain, units: Units) -> String {
         [] => {}
         lines => {
             let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
-            let _ = write!(text, ", {} out of line (lines {})", lines.len(), lines.join(", "));
+            let _ = write!(text, ", {} do not fit (lines {})", lines.len(), lines.join(", "));
         }
     }
     if status.missing_numbers > 0 {
-        let _ = write!(text, "; {} more measured numbers place the instrument and the target", status.missing_numbers);
+        let _ = write!(
+            text,
+            "; {} more measured numbers needed to place the instrument and the target",
+            status.missing_numbers
+        );
     }
     text.push('\n');
     let Some(known) = &status.known else { return text };

@@ -1,9 +1,9 @@
-//! What the noise is made of, in a paragraph.
+//! The components of the noise, in a paragraph.
 
 use denavit_identify::noise::{Component, NoiseModel};
 use std::fmt::Write;
 
-/// Factor and unit in which a size is written: angles that an instrument tells in µrad, those of joints in mrad.
+/// Factor and unit in which a size is written: angles of an instrument in µrad, angles of joints in mrad.
 fn written(component: &Component) -> (f64, &'static str) {
     match (component.unit, &*component.name) {
         ("rad", "angle") => (1e6, "µrad"),
@@ -12,7 +12,7 @@ fn written(component: &Component) -> (f64, &'static str) {
     }
 }
 
-/// A number with three digits that count, or as many as it has before the point.
+/// A number with three significant digits, or all its digits before the point.
 fn rounded(value: f64) -> String {
     let digits = (0..6).find(|digits| value * 10f64.powi(*digits) >= 100.0).unwrap_or(6);
     let digits = usize::try_from(if value > 0.0 { digits } else { 0 }).unwrap_or(0);
@@ -30,8 +30,8 @@ fn claimed(component: &Component) -> String {
     match (&*component.name, &component.joint) {
         ("range", _) => format!("{size} along the line of sight"),
         ("angle", _) => format!("{size} across it"),
-        ("repeatability", Some(joint)) => format!("{joint} comes back to its reading within {size}"),
-        ("repeatability", None) => format!("the joints, taken as alike, come back to their readings within {size}"),
+        ("repeatability", Some(joint)) => format!("repeatability of {joint} {size}"),
+        ("repeatability", None) => format!("repeatability of the joints, assumed equal, {size}"),
         (name, _) => format!("{size} in each component of {name}"),
     }
 }
@@ -46,7 +46,7 @@ fn bound(component: &Component) -> Option<String> {
     })
 }
 
-/// What the noise is made of, what is not seen of it, and whether the order of the run is.
+/// The components of the noise, upper bounds of those not detected, and the correlation in run order.
 pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     let mut text = String::new();
     let Some(noise) = noise else { return text };
@@ -54,7 +54,7 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
     let (joints, instrument): (Vec<&Component>, Vec<&Component>) =
         there.into_iter().partition(|of| of.name == "repeatability");
     let listed = |of: &[&Component]| of.iter().map(|of| claimed(of)).collect::<Vec<_>>().join(", ");
-    let level = if instrument.is_empty() { "of no source alone".into() } else { listed(&instrument) };
+    let level = if instrument.is_empty() { "no single source".into() } else { listed(&instrument) };
     let _ = writeln!(text, "noise, standard deviation and 95 % interval: {level}");
     if !joints.is_empty() {
         let _ = writeln!(text, "  {}", listed(&joints));
@@ -68,7 +68,7 @@ pub(super) fn noise(noise: Option<&NoiseModel>) -> String {
         let [a, b, c] = lever.std.map(|length| length * 1e3);
         let _ = writeln!(
             text,
-            "  orientation and position err together, as if the target turned about a point away from it by \
+            "  orientation and position errors are correlated, as if the target turned about a point offset from it by \
              {:.1} ± {a:.1}, {:.1} ± {b:.1}, {:.1} ± {c:.1} mm in the target's axes",
             -x, -y, -z
         );

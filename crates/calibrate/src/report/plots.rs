@@ -158,7 +158,6 @@ pub fn on_robot(
         Ok(())
     })?;
     let names = ["x", "y", "z"];
-    let caption =
-        format!("residuals {stretch:.0} times as long as they are, seen in the {}{} plane", names[i], names[k]);
+    let caption = format!("residuals drawn {stretch:.0} times as long, in the {}{} plane", names[i], names[k]);
     Ok(Plot { svg: drawn, caption })
 }

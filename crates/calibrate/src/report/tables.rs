@@ -1,4 +1,4 @@
-//! Tables of text: rows in columns, the errors of all stages, and what the report counts beside them.
+//! Tables of text: aligned columns, the errors of all stages, correlations and the noise floor.
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::Stage;
@@ -31,7 +31,7 @@ fn millimetres(metres: Option<f64>) -> String {
     metres.map_or_else(|| "-".into(), |metres| format!("{:.4}", metres * 1e3))
 }
 
-/// Root mean square, mean and largest of a length; of an angle that stands beside it the first alone.
+/// Root mean square, mean and largest of a length; only the root mean square of an angle in the same table.
 fn cells(errors: Option<&Errors>, of: [Option<&Part>; 2]) -> Vec<String> {
     let error = |part: &Part| errors.and_then(|errors| errors.of(part.word));
     let mut cells = Vec::new();
@@ -45,7 +45,7 @@ fn cells(errors: Option<&Errors>, of: [Option<&Part>; 2]) -> Vec<String> {
     cells
 }
 
-/// The before/after table: one line per stage, errors in mm and mrad; a table for each sort of length, and of angle that is not beside
+/// The before/after table: one line per stage, errors in mm and mrad; a table for each quantity with lengths, and for each angle without
 /// one.
 pub fn stages(stages: &[Stage], scene: &Scene) -> String {
     let lengths: Vec<&Part> = scene.channels.iter().filter(|part| part.unit == "m").collect();
@@ -82,7 +82,7 @@ fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String 
     table(&rows)
 }
 
-/// A stage's name where it is short; else its effects are counted, which are listed below the table.
+/// A stage's name if it is short; else with the number of its effects, which are listed below the table.
 fn short_name(name: &str) -> String {
     const WIDEST: usize = 30;
     let parts: Vec<&str> = name.split(" + ").collect();
@@ -116,7 +116,7 @@ pub fn correlations<E>(fit: &Fit<E>, above: f64, most: usize) -> Vec<(String, St
     pairs
 }
 
-/// The noise of the stage that was adopted, and what it was estimated from.
+/// The noise of the adopted stage, and its degrees of freedom.
 pub(super) struct Floor<'a> {
     pub noise: &'a Noise,
     pub parameters: &'a [f64],

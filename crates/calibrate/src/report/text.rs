@@ -26,7 +26,7 @@ use std::fmt::Write;
 /// Prior and posterior spread are alike when their ratio is above this.
 const HELD: f64 = 0.7;
 
-/// Known distances beside what the rows say of them.
+/// Known distances and their residuals.
 fn lengths(rows: &str, found: &[LengthFound]) -> String {
     if found.is_empty() {
         return String::new();
@@ -73,7 +73,7 @@ pub fn final_parameters(result: &Calibration) -> String {
     }
 }
 
-/// What an error on held-out rows says of an effect that follows the run: whether they lie between the fitted ones.
+/// What the error on held-out rows means for an effect that follows time: whether the rows lie between the fitted ones.
 fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
     let follows = |name: &str| name == "time" || name == RUN_ORDER;
     let Some(clock) = trace.findings.iter().find_map(|finding| finding.term.driver.covariate().filter(|n| follows(n)))
@@ -84,25 +84,25 @@ fn held_out_in_time(result: &Calibration, trace: &Trace) -> &'static str {
     let last = values(&result.train).into_iter().fold(f64::NEG_INFINITY, f64::max);
     match result.test.as_deref().map(values) {
         Some(test) if test.iter().all(|value| *value > last) => {
-            "the held-out rows come after the fitted ones: drift is taken to stay as it was at the end\n"
+            "the held-out rows come after the fitted rows: drift is assumed to keep its last value\n"
         }
         Some(test) if !test.is_empty() => {
-            "held-out rows lie between fitted ones in time: their error says how well the drift was followed, not how a \
-             later session will come out\n"
+            "held-out rows lie between fitted rows in time: their error shows how well the drift is interpolated, not the \
+             error of a later session\n"
         }
         _ => "",
     }
 }
 
-/// Why the last stage with causes is the result where everything averaged could be.
+/// Why the last stage with named causes is the result, not the average.
 fn not_averaged(result: &Calibration) -> String {
     match &result.averaging {
         Err(NotAveraged::NamedExplainsRejected { values }) => format!(
-            "not averaged: this model explains {values} values that geometry alone rejects as gross errors, and without which all would be \
-             averaged\n"
+            "not averaged: this model explains {values} values that geometry alone rejects as gross errors, and an average would leave \
+             them out\n"
         ),
         Err(NotAveraged::NamedIsBetter { named, averaged }) => format!(
-            "not averaged: each posture left out, this model is off by {:.4} mm per component, everything averaged by {:.4} mm\n",
+            "not averaged: with each posture left out in turn, this model errs by {:.4} mm per component, the average by {:.4} mm\n",
             named * 1e3,
             averaged * 1e3
         ),
@@ -135,7 +135,7 @@ pub fn calibration(result: &Calibration) -> String {
     for unidentifiable in &report.unidentifiable {
         let held = match unidentifiable.held {
             HeldBy::Nominal => "left at nominal",
-            HeldBy::Prior if continued => "held near what was known before by the prior",
+            HeldBy::Prior if continued => "held near its earlier value by the prior",
             HeldBy::Prior => "held near nominal by the prior",
         };
         let _ = writeln!(text, "  {} {held}: {}", unidentifiable.parameter, unidentifiable.why);
@@ -197,7 +197,7 @@ pub fn calibration(result: &Calibration) -> String {
     for (channel, part) in scene.channels.iter().enumerate().filter(|(_, part)| part.unit == "m") {
         if let Some(attainable) = attainable(result, channel).map(|metres| metres * 1e3) {
             let of = if several_lengths(scene) { format!(" of {}", part.word) } else { String::new() };
-            let _ = writeln!(text, "attainable on rows held out: {attainable:.4} mm rms{of}");
+            let _ = writeln!(text, "attainable on held-out rows: {attainable:.4} mm rms{of}");
         }
     }
     text.push_str(&noise_model::noise(report.noise.as_ref()));
@@ -223,13 +223,10 @@ fn tips(report: &CalibrationReport, scene: &Scene) -> String {
         adopted: true,
         worse_on_held_out: false,
     };
-    format!(
-        "\nby tip, at the stage that was adopted\n{}",
-        stages(&report.tips.iter().map(of_tip).collect::<Vec<_>>(), scene)
-    )
+    format!("\nby tip, adopted stage\n{}", stages(&report.tips.iter().map(of_tip).collect::<Vec<_>>(), scene))
 }
 
-/// What the adopted stage leaves of an image, and what a pixel is in the table above.
+/// The adopted stage's reprojection error, and the size of a pixel in the table above.
 fn in_pixels(report: &CalibrationReport, scene: &Scene) -> String {
     let Some(stage) = report.stages.iter().find(|stage| stage.adopted) else { return String::new() };
     let pixels = |errors: &Errors| {
@@ -247,7 +244,7 @@ fn in_pixels(report: &CalibrationReport, scene: &Scene) -> String {
     )
 }
 
-/// How the base stands where sensors have felt gravity.
+/// The tilt of the base, if sensors measured gravity.
 fn upright(result: &Calibration) -> String {
     let fit = result.without_effects();
     let found = fit.layout.levels.iter().enumerate().filter_map(|(setup, column)| Some((setup, (*column)?)));
@@ -281,7 +278,7 @@ fn noise_floor(text: &mut String, scene: &Scene, channel: usize, part: &Part, le
     let _ = writeln!(text, "{lead}{:.4} mm{pixels} per component{of}{of_norm}", level * 1e3);
 }
 
-/// The whole calibration and how sure it is of each axis: what `denavit calibrate` prints.
+/// The whole calibration and the uncertainty of each axis, as `denavit calibrate` prints it.
 pub fn report(result: &Calibration) -> String {
     if result.report.zeros().next().is_some() {
         return format!("{}\n{}", calibration(result), zeros(result));

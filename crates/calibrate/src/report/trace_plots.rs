@@ -1,4 +1,4 @@
-//! Plots of what the tracer found and of what it left.
+//! Plots of what the tracer found and of the residuals.
 
 use crate::report::plots::{AFTER, ARM, BEFORE, Plot, PlotError, svg};
 use denavit_identify::residual_statistics::Residual;
@@ -43,7 +43,7 @@ pub(super) fn scatter(sets: &[(&Points, RGBColor)], line: &Points, words: [&str;
     })
 }
 
-/// The effect's partial residual with its model, and the residual before and after, both against what drives it.
+/// The effect's partial residual with its model, and the residual before and after, both against its driver.
 ///
 /// # Errors
 /// A value is not finite.
@@ -60,11 +60,11 @@ pub fn partial_residuals(partial_residuals: &PartialResiduals, name: &str) -> Re
     Ok([
         Plot {
             svg: scatter(&[(&partial, AFTER)], &model, words)?,
-            caption: format!("{name}: what all else leaves (points) and what the effect explains (line)"),
+            caption: format!("{name}: partial residual (points) and what the effect explains (line)"),
         },
         Plot {
             svg: scatter(&[(&before, BEFORE), (&after, AFTER)], &Vec::new(), words)?,
-            caption: format!("{name}: residual along it, of geometry alone and with all effects"),
+            caption: format!("{name}: residual along it, with geometry alone and with all effects"),
         },
     ])
 }
@@ -94,7 +94,7 @@ fn standardised(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Vec<Vec
     components
 }
 
-/// Quantiles of what remains against those of a normal distribution.
+/// Quantiles of the residuals against those of a normal distribution.
 ///
 /// # Errors
 /// A value is not finite.
@@ -114,10 +114,10 @@ pub fn quantiles(residuals: &[Residual], scene: &Scene, noise: &Noise) -> Result
         &vec![(-ends, -ends), (ends, ends)],
         ["normal quantile", "residual, in units of the noise"],
     )?;
-    Ok(Plot { svg, caption: "what remains beside a normal distribution (the line)".into() })
+    Ok(Plot { svg, caption: "residuals against a normal distribution (line)".into() })
 }
 
-/// How far what remains in one row is like what remains this many rows later.
+/// Autocorrelation of the residuals over lags in rows.
 ///
 /// # Errors
 /// A value is not finite.
@@ -150,5 +150,5 @@ pub fn autocorrelation(residuals: &[Residual], scene: &Scene, noise: &Noise) -> 
         }))?;
         Ok(())
     })?;
-    Ok(Plot { svg, caption: "correlation of what remains with itself, in run order; grey: 95 % of chance".into() })
+    Ok(Plot { svg, caption: "autocorrelation of the residuals in run order; grey: 95 % of chance".into() })
 }

@@ -1,5 +1,4 @@
-//! How far a calibration is to be trusted, as text: redundancy, suspicious rows, what is not the drawing's, what was not
-//! adopted.
+//! How far a calibration can be trusted, as text: redundancy, suspicious rows, differences from the drawing, doubtful stages.
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, FileUse};
@@ -10,10 +9,10 @@ use std::fmt::Write;
 
 /// Below this many degrees of freedom a standard deviation is off by more than a fifth (1/√(2·10)) as a rule.
 const FEW: f64 = 10.0;
-/// No more lines are listed.
+/// Number of lines listed.
 const LISTED: usize = 30;
 
-/// Numbers measured beside numbers found, and what few of them mean.
+/// Measured numbers and degrees of freedom, and what it means if there are few.
 pub(super) fn redundancy(result: &Calibration) -> String {
     let counted = &result.report.redundancy;
     let mut text = format!(
@@ -27,25 +26,24 @@ pub(super) fn redundancy(result: &Calibration) -> String {
             if fit.deviation(joint) > 0.0 { fit.half_interval(joint, 0.95) / fit.deviation(joint) } else { 2.0 };
         let _ = writeln!(
             text,
-            "  few: the prior keeps what so few numbers cannot determine; intervals of 95 % are {factor:.2} standard deviations \
-             to either side"
+            "  few degrees of freedom: the prior determines the rest, and a 95 % interval is ± {factor:.2} standard deviations"
         );
     }
     if size_is_unseen(&result.train.scene) {
         let _ = writeln!(
             text,
-            "  size: nothing that was measured has a length, so the size of the robot is that of its drawing, held by the \
-             tolerances alone; measure how far two of the points are apart and add it: ‹distance› LABEL,LABEL=50mm"
+            "  size: the measurements contain no length, so only the drawing and its tolerances determine the robot's size; \
+             measure the distance between two of the points and add it: ‹distance› LABEL,LABEL=50mm"
         );
     }
     if !counted.enough_for_effects && counted.degrees_of_freedom >= 2 * counted.parameters {
         text.push_str(
-            "  effects are not looked for: both tips of a touch have one error, and the search would count it twice\n",
+            "  no search for effects: the two tips of a touch share one error, which the search would count twice\n",
         );
     } else if !counted.enough_for_effects {
         let _ = writeln!(
             text,
-            "  too few to look for effects: with {} parameters chance makes some up below {} degrees of freedom",
+            "  too few to search for effects: with {} parameters and below {} degrees of freedom, chance looks like effects",
             counted.parameters,
             2 * counted.parameters
         );
@@ -53,7 +51,7 @@ pub(super) fn redundancy(result: &Calibration) -> String {
     text
 }
 
-/// Whether a robot twice as large would explain the rows as well: they say only that points stay where they are.
+/// Whether a robot twice as large would explain the rows as well: they say only that points do not move.
 fn size_is_unseen(scene: &Scene) -> bool {
     scene.lengths.is_empty() && scene.series.iter().all(|series| series.kind.numbers() == 0)
 }
@@ -65,38 +63,38 @@ pub(super) fn continued(report: &CalibrationReport) -> String {
     let name = file.map_or("the earlier calibration", |file| &file.file);
     let counted = match earlier.weight {
         1.0 => "counts in full".into(),
-        0.0 => "does not count, for these rows contradict it".into(),
-        weight => format!("counts for {:.1} %, for these rows contradict the rest", 100.0 * weight),
+        0.0 => "does not count, as these rows contradict it".into(),
+        weight => format!("counts for {:.1} %, as these rows contradict the rest", 100.0 * weight),
     };
     let mut text =
-        format!("prior: what {name} says of the axes {counted}; stage \"earlier\" is that robot on these rows\n");
+        format!("prior: the axis estimate of {name} {counted}; stage \"earlier\" is that robot on these rows\n");
     let named = |part: &CarriedPart| match part.kind {
         "error_curve" => format!("the error curve of {}", part.place),
-        "gravity" => format!("what {} gives under gravity", part.place),
+        "gravity" => format!("the deflection of {} under gravity", part.place),
         kind => format!("{kind} at {}", part.place),
     };
     let in_state = |state: PartState| earlier.effects.iter().filter(move |part| part.state == state);
     let kept = in_state(PartState::Kept).count();
     if !earlier.effects.is_empty() {
         let all = earlier.effects.len();
-        let _ = writeln!(text, "  of its {all} effects and error curves {kept} are carried over");
+        let _ = writeln!(text, "  {kept} of its {all} effects and error curves are carried over");
     }
     let reasons = [
-        (PartState::Contradicted, "these rows speak against it: something there is no longer as it was"),
+        (PartState::Contradicted, "these rows contradict it: something has changed there"),
         (PartState::OfThatRun, "it was a drift of the earlier run"),
-        (PartState::OfThatSetup, "it was of the instrument or the target, which are placed anew"),
+        (PartState::OfThatSetup, "it belonged to the instrument or the target, which have new places"),
         (PartState::NoColumn, "it follows a column that these rows do not have"),
     ];
     for (state, why) in reasons {
         for part in in_state(state) {
             let column = part.column.as_ref().map_or_else(String::new, |column| format!(", \"{column}\""));
-            let _ = writeln!(text, "  left out: {}, for {why}{column}", named(part));
+            let _ = writeln!(text, "  left out: {}, as {why}{column}", named(part));
         }
     }
     text
 }
 
-/// What was supposed of the data, before anything else is said: it is to be confirmed or corrected by whoever measured.
+/// Assumptions about the data, at the head of the report: the user has to confirm or correct them.
 pub(super) fn supposed(report: &CalibrationReport) -> String {
     let mut text = String::new();
     if let Some(read_as) = &report.read_as {
@@ -112,7 +110,7 @@ pub(super) fn supposed(report: &CalibrationReport) -> String {
         let unit = if part.unit == "m" { "mm" } else { "mrad" };
         let _ = writeln!(
             text,
-            "ATTENTION: of the measured {}, which varies by {:.3} {unit} rms, {:.3} {unit} are left ({:.0} % of its variance is \
+            "ATTENTION: the measured {} varies by {:.3} {unit} rms, and {:.3} {unit} remain as residual ({:.0} % of its variance is \
              explained); is this the robot that was measured, do values and readings belong together, are all units right?",
             part.of,
             part.spread * 1e3,
@@ -123,7 +121,7 @@ pub(super) fn supposed(report: &CalibrationReport) -> String {
     text
 }
 
-/// Lines of rows that were left out, or that look as if they should be.
+/// Lines of rows that were left out, or that are suspicious.
 pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
     let mut text = String::new();
     let samples = &report.samples;
@@ -161,7 +159,7 @@ pub(super) fn suspicious_rows(report: &CalibrationReport) -> String {
     if !samples.test_outliers.is_empty() {
         let _ = writeln!(
             text,
-            "held-out rows that are far off, and counted all the same, lines: {}",
+            "held-out rows with gross errors, counted nevertheless, lines: {}",
             listed(&samples.test_outliers)
         );
     }
@@ -175,7 +173,7 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
         return text;
     }
     text.push_str(
-        "DIFFERS FROM THE DRAWING by far more than links are made to; is it another variant of this robot?\n",
+        "DIFFERS FROM THE DRAWING by far more than manufacturing tolerances; is it another variant of this robot?\n",
     );
     for difference in &report.differs_from_drawing {
         let (factor, unit) = match difference.unit {
@@ -185,7 +183,7 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
         };
         let _ = writeln!(
             text,
-            "  {} {:.2} {unit}, {:.0} tolerances, seen from the axes before it",
+            "  {} {:.2} {unit}, {:.0} tolerances, relative to the axes before it",
             difference.parameter,
             difference.value * factor,
             difference.tolerances
@@ -194,15 +192,15 @@ pub(super) fn differs(report: &CalibrationReport) -> String {
     text
 }
 
-/// What held-out rows say against the stage that was adopted, and stages that did not converge.
+/// Held-out rows that contradict the adopted stage, and stages that did not converge.
 pub(super) fn doubtful_stages(report: &CalibrationReport) -> String {
     let mut text = String::new();
     for (before, stage) in report.stages.iter().zip(report.stages.iter().skip(1)) {
         if stage.worse_on_held_out && stage.adopted {
             let _ = writeln!(
                 text,
-                "\"{}\" makes the held-out rows worse than \"{}\", by more than chance; it stays the result, because held-out rows judge and \
-                 choose no stage: fit some rows like them, too",
+                "\"{}\" predicts the held-out rows worse than \"{}\", by more than chance; it remains the result, because held-out rows test \
+                 stages but do not choose one: fit some rows like them, too",
                 stage.name, before.name
             );
         } else if !stage.converged {
@@ -212,10 +210,10 @@ pub(super) fn doubtful_stages(report: &CalibrationReport) -> String {
     text
 }
 
-/// A model without lack of fit gives such a result once in this many files.
+/// Significance level of the lack-of-fit test.
 const LACK_OF_FIT: f64 = 0.001;
 
-/// What postures that were measured again say.
+/// Pure error and lack of fit from repeated postures.
 pub(super) fn repeats(repeats: &[LackOfFit]) -> String {
     let mut text = String::new();
     for repeat in repeats {
@@ -230,7 +228,7 @@ pub(super) fn repeats(repeats: &[LackOfFit]) -> String {
         );
         let ratio = repeat.f.map_or_else(|| "repeats are equal".into(), |f| format!("F = {f:.1}"));
         let verdict = if repeat.p_value < LACK_OF_FIT {
-            format!("the model misses {:.4} {unit} beside it", repeat.missed * factor)
+            format!("lack of fit: {:.4} {unit} beyond the pure error", repeat.missed * factor)
         } else {
             "no lack of fit".into()
         };

@@ -1,4 +1,4 @@
-//! Zeros of joints as text: what is added to each reading, and which the data do not tell.
+//! Zeros of joints as text: what is added to each reading, and which zeros the data do not determine.
 
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, Identified, JointZeros};
@@ -15,7 +15,7 @@ pub fn zeros(result: &Calibration) -> String {
             let [value, deviation] = in_words(zero);
             rows.push(vec![format!("  {}", zero.joint), value, format!("± {deviation}")]);
         } else {
-            rows.push(vec![format!("  {}", zero.joint), "not told".into(), "as drawn".into()]);
+            rows.push(vec![format!("  {}", zero.joint), "not determined".into(), "as drawn".into()]);
             let _ = writeln!(not_told, "zero of {}: {}", zero.joint, why_not(report, zero));
         }
     }
@@ -27,17 +27,17 @@ fn why_not(report: &CalibrationReport, zero: &Identified) -> &'static str {
     let known = report.unidentifiable.iter().find(|known| known.parameter == zero.parameter);
     match known.map(|known| known.why.as_str()) {
         Some(why) if why.contains("instrument") => {
-            "it looks as if the instrument stood elsewhere; set it by eye, or turn the base to a mark"
+            "it has the effect of another pose of the instrument; set it by eye, or turn the base to a mark"
         }
         Some(why) if why.contains("target") => {
-            "it looks as if the target sat elsewhere on the tip; set it by eye, or measure orientations of a target whose place is known"
+            "it has the effect of another pose of the target on the tip; set it by eye, or measure orientations of a target whose pose is known"
         }
-        Some(_) => "these rows show only its sum with others that are not told; move the joints between them further",
-        None => "these rows hardly show it; measure more poses in which the joints behind it move",
+        Some(_) => "these rows determine only its sum with other zeros; move the joints between them further",
+        None => "these rows hardly determine it; measure more poses in which the joints after it move",
     }
 }
 
-/// A zero and its standard deviation, degrees or mm, to the digits that the deviation leaves.
+/// A zero and its standard deviation, degrees or mm, to the digits that the deviation allows.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held between 2 and 6")]
 pub(crate) fn in_words(zero: &Identified) -> [String; 2] {
     let (factor, unit) = if zero.unit == "rad" { (1f64.to_degrees(), "°") } else { (1e3, " mm") };
@@ -46,7 +46,7 @@ pub(crate) fn in_words(zero: &Identified) -> [String; 2] {
     [format!("{value:+.digits$}{unit}"), format!("{deviation:.digits$}{unit}")]
 }
 
-/// That zeros are nearly all that was found, where they are.
+/// A line that says that zeros are nearly all that was found, if so.
 pub(super) fn nearly_all(found: Option<&JointZeros>) -> String {
     let Some(found) = found else { return String::new() };
     let listed = found.zeros.iter().filter(|zero| zero.is_told()).map(|zero| {
@@ -54,7 +54,7 @@ pub(super) fn nearly_all(found: Option<&JointZeros>) -> String {
         format!("{} {value} ± {deviation}", zero.joint)
     });
     format!(
-        "joint zeros alone explain {:.1} % of what the axes do ({}); ‹zeros› fits them and leaves the axes as drawn\n",
+        "joint zeros alone explain {:.1} % of what fitted axes explain ({}); ‹zeros› fits them and leaves the axes as drawn\n",
         100.0 * found.share,
         listed.collect::<Vec<_>>().join(", ")
     )

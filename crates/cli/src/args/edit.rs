@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Stands between the words of an operation behind `--then`, which clap takes as one value.
+/// Separates the words of an operation after `--then`, which clap takes as one value.
 const BETWEEN: char = '\u{1f}';
 
 fn help() -> String {
@@ -15,9 +15,9 @@ fn help() -> String {
         let _ = writeln!(text, "  {:<34} {}", operation.usage, operation.purpose);
     }
     text + "
-Each result is read again and compared with the source: what the operation says stays the same is checked at joint values that
-move all joints, and where it can be by `denavit diff`. Where it does not hold, or an operation cannot be done, the exit code is 2,
-the reason is said, and nothing is written.
+Each result is read again and compared with the source: what the operation must not change is checked at joint values that
+move all joints, and by `denavit diff` where possible. If a check fails, or an operation is not possible, the exit code is 2,
+the reason is printed, and nothing is written.
 
 Examples:
   denavit edit arm.urdf flip elbow_joint -o out.urdf
@@ -39,7 +39,7 @@ pub struct EditArguments {
     /// An operation and its words, as below; NAME:=VALUE are arguments of a xacro file
     #[arg(required = true, value_name = "OPERATION")]
     pub operation: Vec<String>,
-    /// Another operation, on the result of the one before: all that stands behind, to the next --then
+    /// Another operation, on the result of the one before: all words up to the next --then
     #[arg(long, value_name = "OPERATION…")]
     pub then: Vec<String>,
     /// What some operations take.
@@ -53,34 +53,34 @@ pub struct EditArguments {
 /// What some operations take beside their words.
 #[derive(Debug, Clone, Default, Args)]
 pub struct OperationArguments {
-    /// attach: the link that the other robot is put on
+    /// attach: link that the other robot is attached to
     #[arg(long, value_name = "LINK")]
     pub at: Option<String>,
-    /// attach: where its root goes in that link, x,y,z or x,y,z,roll,pitch,yaw in m and rad, or with units [default: 0]
+    /// attach: pose of its root in that link, x,y,z or x,y,z,roll,pitch,yaw in m and rad, or with units [default: 0]
     #[arg(long, value_name = "POSE", allow_hyphen_values = true)]
     pub pose: Option<String>,
-    /// attach: stands before its names
+    /// attach: prefix of its names
     #[arg(long, value_name = "PREFIX")]
     pub prefix: Option<String>,
-    /// merge: a link that stays as a frame, without mass and shapes; may be given several times
+    /// merge: link to keep as a frame, without mass and shapes; may be given several times
     #[arg(long, value_name = "LINK")]
     pub keep: Vec<String>,
     /// mirror: parts of names that are exchanged, such as left=right; may be given several times
     #[arg(long, value_name = "ONE=OTHER")]
     pub names: Vec<String>,
-    /// origin: where the frame goes, in the frame that it has; meshes, simplify-collision: the folder that mesh files go to
+    /// origin: new pose of the frame, in the present frame; meshes, simplify-collision: folder for the mesh files
     #[arg(long, value_name = "POSE|FOLDER", allow_hyphen_values = true)]
     pub to: Option<String>,
-    /// set-calibration: the maker's table of the arm as drawn, which says how the figures lie on the robot
+    /// set-calibration: the maker's table of the arm as drawn, which relates the calibrated numbers to the robot
     #[arg(long, value_name = "FILE")]
     pub nominal: Option<String>,
-    /// set-calibration: the convention of a D-H table's file, where it does not say so itself [default: distal]
+    /// set-calibration: convention of a D-H table that does not state it [default: distal]
     #[arg(long, value_name = "CONVENTION", value_enum, hide_possible_values = true)]
     pub table_convention: Option<ConventionName>,
-    /// set-calibration: units of a D-H table's file, where it does not say so itself: such as mm,deg
+    /// set-calibration: units of a D-H table that does not state them, such as mm,deg
     #[arg(long, value_name = "UNITS")]
     pub table_units: Option<String>,
-    /// set-calibration: read the angles of a UR kinematics file as the vendor's tool means them
+    /// set-calibration: read the angles of a UR kinematics file as the vendor's tool does
     #[arg(long)]
     pub vendor_angles: bool,
 }
@@ -88,10 +88,10 @@ pub struct OperationArguments {
 /// What is read beside the robot, and what is written.
 #[derive(Debug, Clone, Default, Args)]
 pub struct EditOutputs {
-    /// SRDF of the robot: its names and states follow
+    /// SRDF of the robot: its names and states are changed to match
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<String>,
-    /// Where the SRDF goes
+    /// File for the changed SRDF
     #[arg(long, value_name = "FILE", requires = "srdf")]
     pub srdf_out: Option<PathBuf>,
     /// Expand a xacro file first; the result is a URDF
@@ -123,7 +123,7 @@ pub struct Step {
     pub with: OperationArguments,
 }
 
-/// What stands behind a `--then`.
+/// What follows a `--then`.
 #[derive(Debug, Parser)]
 #[command(name = "denavit edit … --then", no_binary_name = true, disable_help_flag = true)]
 struct Then {
@@ -136,10 +136,10 @@ struct Then {
 }
 
 impl EditArguments {
-    /// The operations in order, and what is read and written, wherever in the line it is said.
+    /// The operations in order, and what is read and written, wherever in the line it is given.
     ///
     /// # Errors
-    /// clap's, for words behind `--then` that are no options of these.
+    /// clap's, for words after `--then` that are not options of an operation.
     pub fn steps(&self) -> Result<(Vec<Step>, EditOutputs), clap::Error> {
         let mut outputs = self.outputs.clone();
         let mut steps = vec![Step { words: self.operation.clone(), with: self.with.clone() }];
@@ -159,7 +159,7 @@ impl EditArguments {
     }
 }
 
-/// The words of a command line of `edit` with all that stands behind a `--then` as its one value.
+/// The words of a command line of `edit`, with all words after a `--then` joined to its one value.
 pub fn with_steps_joined(words: Vec<OsString>) -> Vec<OsString> {
     if words.get(1).is_none_or(|word| word != "edit") {
         return words;

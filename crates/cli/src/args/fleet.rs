@@ -10,7 +10,7 @@ Examples:
   denavit fleet run 'nights/{serial}/{date}.csv' --set robot=ur5e.urdf -o store
   denavit fleet watch store                                   who has changed, with exit code 1
   denavit fleet report store -o pages                         pages for a browser
-  denavit fleet corpus robots                                 which of thousands of URDFs are one mechanism
+  denavit fleet corpus robots                                 which of thousands of URDFs have the same mechanism
 
 See docs/fleet.md.";
 
@@ -28,26 +28,26 @@ pub struct FleetArguments {
 pub enum FleetCommand {
     /// Calibrate, check, compare … every robot of a manifest into a store of Parquet files
     Run(FleetRunArguments),
-    /// Say which robots have changed, over thousands of robots and nights: the nightly job
+    /// Find robots that have changed, over thousands of robots and nights: the nightly job
     Watch(FleetWatchArguments),
-    /// Say what became of each robot: drifts, steps, when a tolerance is left
+    /// Print the history of each robot: drifts, steps, and when it leaves a tolerance
     History(FleetHistoryArguments),
-    /// Say what robots share, and which of them stand out from their siblings
+    /// Print what robots have in common, and which of them stand out from their siblings
     Siblings(FleetSiblingsArguments),
     /// Make static pages: one for the fleet, one for each robot
     Report(FleetReportArguments),
-    /// Say which files are one mechanism, which nearly, and which commits changed which robots
+    /// Find files with the same mechanism or nearly the same, and the commits that changed robots
     Corpus(FleetCorpusArguments),
 }
 
 const RUN_EXAMPLES: &str = "\
 The manifest is CSV with a row per robot and night (serial,robot,data,date, and task, event, test, against, base, tip, units, \
-effects, max_effects, mass, hold_out, seed, tolerance, tolerance_m, tolerance_rad, prior, arguments), TOML with the same words in [defaults] \
+effects, max_effects, mass, hold_out, seed, tolerance, tolerance_m, tolerance_rad, prior, arguments), TOML with the same keys in [defaults] \
 and [[robots]], or a pattern of folders with {serial} and {date}. Paths are taken from the manifest's folder; several files of \
-data are joined by ;. Without a task, rows with data are calibrated and rows without get their table.
+data are joined by ;. Without a task, a row with data is calibrated, and a row without data gets its D-H table.
 
-A run that is stopped or killed continues where it was; finished work is never done again. Exit code 1: some robots failed, \
-each is a row of the store with its error.
+A run that was stopped or killed continues where it ended; finished work is not repeated. Exit code 1: some robots failed; \
+the store has a row with the error of each.
 
 Examples:
   denavit fleet run plant.csv -o store
@@ -60,10 +60,10 @@ Examples:
 pub struct FleetRunArguments {
     /// CSV, TOML, or a pattern such as 'nights/{serial}/{date}.csv'
     pub manifest: String,
-    /// Folder of the store; made where there is none, continued where there is one
+    /// Folder of the store; created if it does not exist, else continued
     #[arg(long, short, value_name = "STORE")]
     pub output: PathBuf,
-    /// A word for every entry that does not say otherwise: robot=arm.urdf
+    /// Value for every entry that has no other: robot=arm.urdf
     #[arg(long, value_name = "WORD=VALUE")]
     pub set: Vec<String>,
     /// Robots computed at the same time; results do not depend on it [default: as many as there are cores]
@@ -76,7 +76,7 @@ pub struct FleetRunArguments {
 
 const CORPUS_EXAMPLES: &str = "\
 Examples:
-  denavit fleet corpus robots                    which files are one mechanism, which nearly, which are no robots
+  denavit fleet corpus robots                    files with the same mechanism or nearly the same, and files without a robot
   denavit fleet corpus robots --near 5e-3 --json corpus.json
   denavit fleet corpus git:.                     which commits changed which robots
   denavit fleet corpus git:. --revision v1..v2";
@@ -87,11 +87,11 @@ Examples:
 pub struct FleetCorpusArguments {
     /// Folder with URDF and xacro files, at any depth, or git:FOLDER of a repository for its history of URDF files
     pub corpus: String,
-    /// Files whose fingerprints agree to this are one mechanism, m and rad
+    /// Files whose fingerprints agree within this have the same mechanism, m and rad
     #[arg(long, value_name = "TOLERANCE", default_value_t = denavit_compare::fingerprint::DEFAULT_TOLERANCE,
         value_parser = numbers::tolerance)]
     pub tolerance: f64,
-    /// Mechanisms that differ by no more are nearly alike, m and rad; 0: not asked
+    /// Mechanisms that differ by no more than this are nearly alike, m and rad; 0: do not search for them
     #[arg(long, value_name = "TOLERANCE", default_value_t = 1e-3, value_parser = numbers::tolerance)]
     pub near: f64,
     /// Revision or range of a history
@@ -106,9 +106,10 @@ pub struct FleetCorpusArguments {
 }
 
 const WATCH_EXAMPLES: &str = "\
-A robot's first nights are its reference, anew after each night with an event on record. Over the robots of a night the false \
-discovery rate is held (Benjamini and Hochberg); an alarm takes two marks in three nights, by the same parameter in the same \
-direction, or the medians of the last five nights and of the five before them off to one side. Exit code 1: there is an alarm.
+A robot's first nights are its reference; a night with a recorded event starts a new reference. The false discovery rate over \
+the robots of a night is controlled (Benjamini and Hochberg). An alarm needs two marks in three nights, of the same parameter in \
+the same direction, or medians of the last five nights and of the five before that deviate to the same side. Exit code 1: there is \
+an alarm.
 
 Examples:
   denavit fleet watch store
@@ -123,7 +124,7 @@ pub struct FleetWatchArguments {
     /// False discovery rate of a night's marks
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = numbers::part)]
     pub rate: f64,
-    /// First nights of a robot that the others are compared with
+    /// Number of first nights of a robot, with which its later nights are compared
     #[arg(long, value_name = "NIGHTS", default_value_t = 8, value_parser = clap::value_parser!(u16).range(3..))]
     pub reference: u16,
     /// Write a JUnit report: a case for each robot of the night
@@ -139,7 +140,7 @@ pub struct FleetWatchArguments {
 
 const HISTORY_EXAMPLES: &str = "\
 Examples:
-  denavit fleet history store               what drifts and what stepped, robot by robot
+  denavit fleet history store               drifts and steps, robot by robot
   denavit fleet history store SN-017        one robot";
 
 /// Arguments of `denavit fleet history`.
@@ -150,10 +151,10 @@ pub struct FleetHistoryArguments {
     pub store: PathBuf,
     /// One robot [default: all]
     pub serial: Option<String>,
-    /// A drift leaves this about the first nights, m
+    /// Tolerance about the first nights, which a drift may leave, m
     #[arg(long, value_name = "M", default_value_t = 5e-4, value_parser = numbers::tolerance)]
     pub tolerance_m: f64,
-    /// The same of angles, rad
+    /// The same for angles, rad
     #[arg(long, value_name = "RAD", default_value_t = 1e-3, value_parser = numbers::tolerance)]
     pub tolerance_rad: f64,
     /// JSON.
@@ -186,16 +187,16 @@ Examples:
 pub struct FleetSiblingsArguments {
     /// Folder of the store
     pub store: PathBuf,
-    /// Write what the robots share as a prior, for `calibrate --prior` of one more of them
+    /// Write what the robots have in common as a prior, for `calibrate --prior` of another such robot
     #[arg(long, value_name = "FILE")]
     pub prior_out: Option<PathBuf>,
     /// Leave this robot out of the prior
     #[arg(long, value_name = "SERIAL", requires = "prior_out")]
     pub without: Option<String>,
-    /// The robot as drawn whose siblings are meant [default: that of the robot left out, else the one that most robots are made to]
+    /// Drawing of the siblings to use [default: that of the robot left out, else the drawing of most robots]
     #[arg(long, value_name = "FILE", requires = "prior_out")]
     pub robot: Option<String>,
-    /// Link that the siblings meant were calibrated to, where those of the store were calibrated to several
+    /// Link that the siblings to use were calibrated to, if the store has several
     #[arg(long, value_name = "LINK", requires = "prior_out")]
     pub tip: Option<String>,
     /// False discovery rate over robots and parameters

@@ -21,8 +21,8 @@ impl JsonArguments {
     }
 }
 
-/// The words of a command line with `--json FILE` as `--json=FILE`: what stands behind `--json` is its file where it ends in
-/// `.json` or is `-`, so that a robot behind it (`fk --json arm.urdf`) stays a robot and is never written over.
+/// The words of a command line with `--json FILE` as `--json=FILE`: the word after `--json` is its file if it ends in
+/// `.json` or is `-`, so that a robot after it (`fk --json arm.urdf`) remains a robot and is never overwritten.
 pub fn with_json_files_joined(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::new();
     let mut plain = false;

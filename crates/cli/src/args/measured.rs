@@ -77,14 +77,14 @@ pub struct CalibrateArguments {
     /// Share of the rows to hold out as test data
     #[arg(long, value_name = "SHARE", value_parser = numbers::part, help_heading = DATA)]
     pub hold_out: Option<f64>,
-    /// Test data, never fitted; sockets in it are new places
+    /// Test data, never fitted; each socket in it counts as a new position
     #[arg(long, value_name = "FILE", conflicts_with = "hold_out", help_heading = DATA)]
     pub test: Option<String>,
     /// Setups, or placements of sockets, to hold out as test data
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["hold_out", "test"],
         help_heading = DATA)]
     pub hold_out_setups: Vec<String>,
-    /// Seed of the choice of rows held out
+    /// Seed for the choice of held-out rows
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = DATA)]
     pub seed: u64,
     /// Joint readings with a ball on the tip in the socket of this label: a CSV without header, a column per joint, such as
@@ -95,7 +95,7 @@ pub struct CalibrateArguments {
     /// deviation may follow as +-0.1mm (else 0.05 mm)
     #[arg(long, value_name = "PAIR=LENGTH", help_heading = DATA)]
     pub distance: Vec<String>,
-    /// Print a map of the data's columns to start from, and do nothing else
+    /// Print a draft of a map for --columns, and do nothing else
     #[arg(long, requires = "data", help_heading = DATA)]
     pub columns_draft: bool,
     /// What the columns of an instrument's export are.
@@ -113,7 +113,7 @@ pub struct CalibrateArguments {
     /// What is fitted beside the axes.
     #[command(flatten)]
     pub freedom: FreedomArguments,
-    /// Fit zeros of joints and no axis: names, or all if none is given
+    /// Fit only the zeros of joints, no axes: names of joints, or all if none is given
     #[arg(long, value_name = "JOINTS", num_args = 0..=1, default_missing_value = "all", value_delimiter = ',',
         conflicts_with_all = ["effects", "pitches"], help_heading = FIT)]
     pub zeros: Vec<String>,
@@ -125,7 +125,7 @@ pub struct CalibrateArguments {
     /// backlash,joint_compliance
     #[arg(long, value_name = "KINDS", default_value = "auto", value_delimiter = ',', help_heading = FIT)]
     pub effects: Vec<String>,
-    /// Number of effects at most; without it as many as the evidence selects
+    /// Largest number of effects [default: as many as the evidence selects]
     #[arg(long, value_name = "N", help_heading = FIT)]
     pub max_effects: Option<usize>,
     /// Mass of all moving links (data sheet), for a description without masses
@@ -177,7 +177,7 @@ pub struct CalibrateArguments {
 /// What the columns of an instrument's export are, where their names do not say so; see docs/measurements.md.
 #[derive(Debug, Args)]
 pub struct ImportArguments {
-    /// Which column of the data is what: a TOML file, or x=X1,y=Y1,z=Z1 for a few
+    /// Map of the data's columns: a TOML file, or x=X1,y=Y1,z=Z1 for a few
     #[arg(long, value_name = "MAP", help_heading = COLUMNS)]
     pub columns: Option<String>,
     /// Order of the turns of angle columns (roll,pitch,yaw; rx,ry,rz; A,B,C; W,P,R): XYZ about moving axes (intrinsic), xyz
@@ -193,7 +193,7 @@ pub struct ImportArguments {
     /// Joint values of the data's rows, from a robot program: ABB RAPID jointtarget, KUKA KRL AXIS, UR script movej
     #[arg(long, value_name = "PROGRAM", help_heading = COLUMNS)]
     pub joints: Option<String>,
-    /// The printed plate whose holes a column hole names: holes of a row, rows, and their distance
+    /// Printed plate whose holes the column hole names: holes per row, rows, and spacing
     #[arg(long, value_name = "4x3:40mm", help_heading = COLUMNS)]
     pub plate: Option<String>,
 }
@@ -284,11 +284,11 @@ pub struct IdentifyArguments {
 
 const MEASURE_EXAMPLES: &str = "\
 Prints for each row its distance from the prediction of the rows before it, and the expected distance; likely causes of a row \
-out of line (another reflector, a moved base, a wrong joint reading); the least known parameters; the next pose to measure. \
+that does not fit (another reflector, a moved base, a wrong joint reading); the least known parameters; the next pose to measure. \
 Check that pose for obstacles before the robot takes it.
 
-With --watch the file may grow, be replaced, or not exist yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 rows \
-are out of line, 2 error.
+With --watch the file may grow, be replaced, or not exist yet; Ctrl-C ends the run. Exit codes: 0 every row fits, 1 some rows \
+do not fit, 2 error.
 
 Examples:
   denavit measure arm.urdf --data run.csv --watch
@@ -358,13 +358,13 @@ See docs/without-an-instrument.md.";
 #[derive(Debug, Args)]
 #[command(after_help = PLATE_EXAMPLES)]
 pub struct PlateArguments {
-    /// Holes of a row, rows, and from one hole to the next: 4x3:40mm
+    /// Holes per row, rows, and spacing: 4x3:40mm
     #[arg(value_name = "HOLES")]
     pub plate: String,
     /// Diameter of the ball on the tip, or of a pen where its cone begins
     #[arg(long, value_name = "LENGTH", default_value = "10mm")]
     pub ball: String,
-    /// Write to a file that ends in .stl (a solid, mm) or .svg (a drawing at its true size); several times for both
+    /// Write to a file that ends in .stl (a solid, mm) or .svg (a drawing at its true size); repeat it for both
     #[arg(long, short, value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
 }
@@ -438,8 +438,8 @@ pub struct PlanArguments {
 }
 
 const SIMULATE_EXAMPLES: &str = "\
-An effect is KIND@PLACE=STRENGTH: one of the kinds of docs/effects.md; a joint's name or base, links, target, \
-anchor, instrument, \"wire zero\", \"all joints\"; what it moves the measured values by (0.3mm, root mean square) or its \
+An effect is KIND@PLACE=STRENGTH. KIND is one of the kinds of docs/effects.md. PLACE is a joint's name or base, links, target, \
+anchor, instrument, \"wire zero\", \"all joints\". STRENGTH is the change of the measured values (0.3mm, root mean square) or the \
 coefficient in SI units. Parameters of a kind are set as KIND@PLACE:order=3=0.1mm (order; at and width; knee; friction; step; with; over).
 
 Examples:
@@ -467,7 +467,7 @@ pub struct SimulateArguments {
     /// Units of --poses: lengths m, mm, um or in; angles rad, mrad or deg
     #[arg(long, value_name = "UNITS", default_value = "m,rad", requires = "poses")]
     pub units: String,
-    /// Same seed, same files
+    /// Seed; the same seed gives the same files
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// What is measured
@@ -494,7 +494,7 @@ pub struct SimulateArguments {
     /// Additional noise of the direction from instrument to target, standard deviation, mrad
     #[arg(long, value_name = "MRAD", default_value_t = 0.0, value_parser = numbers::tolerance)]
     pub angle_noise: f64,
-    /// Repeatability of a joint, standard deviation: mrad, and mm for slides; without a joint all of them
+    /// Repeatability of a joint, standard deviation: mrad, or mm for slides; without a name, of all joints
     #[arg(long, value_name = "[JOINT=]SIZE")]
     pub repeatability: Vec<String>,
     /// A camera measures, at random joint values in which it sees its board.
@@ -512,7 +512,7 @@ pub struct SimulateArguments {
     /// Effects that `denavit calibrate --effects-out` wrote
     #[arg(long, value_name = "FILE")]
     pub effects: Option<String>,
-    /// What is recorded beside the measurements: time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.temperature …
+    /// Columns to record beside the measurements: time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.temperature …
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<String>,
     /// Write test rows, too: the same robot, measured after the others

@@ -159,7 +159,7 @@ fn of_tips(
     tips.iter().map(|tip| add(&of(tip))).collect()
 }
 
-/// The forms that the calibrated robot is written in, where they are asked for.
+/// The requested formats of the calibrated robot.
 struct OutputFormats<'a> {
     /// The tree that a calibrated URDF is made of.
     urdf: Option<&'a denavit_model::Robot>,
@@ -169,7 +169,7 @@ struct OutputFormats<'a> {
     nominal: Option<Nominal>,
 }
 
-/// Formats that have a place for everything that a calibration may find: β, pitches and scales.
+/// Formats that can hold everything that a calibration may find: β, pitches and scales.
 const ROOMY: [&str; 5] = ["csv", "json", "md", "tex", "text"];
 
 /// Refuses what cannot be made before any work is done: each format is tried on the robot as drawn.
@@ -179,7 +179,7 @@ fn output_formats<'a>(
     tips: &Tips,
 ) -> Result<OutputFormats<'a>, Failure> {
     if tips.several() && !arguments.out_for.is_empty() {
-        let message = "--out-for: a maker's file holds one arm; write the calibrated robot by --urdf";
+        let message = "--out-for: a maker's file holds one arm; write the calibrated robot with --urdf";
         return Err(Failure::Argument(message.into()));
     }
     let chains = chains(&robot.chain, tips)?;
@@ -188,15 +188,15 @@ fn output_formats<'a>(
     let urdf = match (&arguments.urdf, &robot.loaded) {
         (None, _) => None,
         (Some(_), _) if more_than_axes => {
-            let message = "--urdf: a URDF has no place for what --scales and --pitches fit; take --dh FILE.csv or FILE.json, \
-                           which hold them, or leave them out";
+            let message = "--urdf: a URDF cannot hold what --scales and --pitches fit; write --dh FILE.csv or FILE.json, \
+                           which can, or leave them out";
             return Err(Failure::Argument(message.into()));
         }
         (Some(_), Loaded::Robot(tree)) => {
             urdf::with_chains(tree, &chains, arguments.robot.reading())?;
             Some(tree.as_ref())
         }
-        _ => return Err(Failure::Argument("--urdf needs a URDF as its source; take --dh for a table".into())),
+        _ => return Err(Failure::Argument("--urdf needs a URDF as its source; write a table with --dh".into())),
     };
     let nominal = nominal(arguments)?;
     let Some(path) = &arguments.dh else { return Ok(OutputFormats { urdf, dh: None, nominal }) };
@@ -208,10 +208,10 @@ fn output_formats<'a>(
     let refused = |why: &str| {
         let known = FORMATS.iter().filter(|format| ROOMY.contains(&format.name)).map(|format| format.extension);
         let known = known.collect::<Vec<_>>().join(", ");
-        Failure::Argument(format!("--dh {}: {why}; take a file that ends in one of {known}", path.display()))
+        Failure::Argument(format!("--dh {}: {why}; name a file that ends in one of {known}", path.display()))
     };
     if more_than_axes && !ROOMY.contains(&format.name) {
-        return Err(refused(&format!("{} has no place for what --scales and --pitches fit", format.name)));
+        return Err(refused(&format!("{} cannot hold what --scales and --pitches fit", format.name)));
     }
     let tables = chains.iter().map(|chain| dh_table(format, chain, chain, &arguments.robot.robot));
     match tables.collect::<Result<Vec<_>, _>>() {
@@ -229,7 +229,7 @@ fn chains(all: &Chain, tips: &Tips) -> Result<Vec<Chain>, Failure> {
     tips.all().iter().map(chain).collect()
 }
 
-/// Every output that was asked for: all are made before any is written.
+/// Every requested output: all are made before any is written.
 fn texts(
     arguments: &CalibrateArguments,
     places: &Places,
@@ -304,7 +304,7 @@ fn offsets_of(report: &CalibrationReport) -> Vec<Offset> {
     report.zeros().map(of).collect()
 }
 
-/// What is fitted and looked for.
+/// Options of what is fitted and searched for.
 fn search_asked(arguments: &CalibrateArguments) -> Result<SearchAsked, Failure> {
     Ok(SearchAsked {
         scales: arguments.freedom.scales.clone(),
@@ -362,14 +362,14 @@ fn format_of(path: &Path) -> Result<&'static Format, Failure> {
     FORMATS.iter().find(|format| format.extension == extension).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
         Failure::Argument(format!(
-            "--dh {}: the extension chooses the format; take one of {}",
+            "--dh {}: the extension chooses the format; end it in one of {}",
             path.display(),
             known.join(", ")
         ))
     })
 }
 
-/// The calibrated table on the branch of the drawn one: Hayati's rows where axes are drawn parallel, as the numbers then stay small.
+/// The calibrated table on the branch of the drawn one, with Hayati's rows if axes are drawn parallel: the numbers then stay small.
 fn dh_table(format: &Format, calibrated: &Chain, drawn: &Chain, source: &str) -> Result<String, Failure> {
     let failed = |error: denavit_model::ChainError| Failure::Chain { file: source.to_owned(), source: error };
     let options = Options {
@@ -390,13 +390,13 @@ fn dh_table(format: &Format, calibrated: &Chain, drawn: &Chain, source: &str) ->
     Ok((format.render)(&sheet)?)
 }
 
-/// What deltas are counted from, where they are asked for: the maker's table, or the drawing's own.
+/// The reference of the requested deltas: the maker's table, or the drawing's own.
 fn nominal(arguments: &CalibrateArguments) -> Result<Option<Nominal>, Failure> {
     let Some(path) = &arguments.deltas else { return Ok(None) };
     let known = path == Path::new("-") || path.extension().is_some_and(|end| end == "csv" || end == "md");
     if !known {
         return Err(Failure::Argument(format!(
-            "--deltas {}: take a file that ends in .csv or .md, or -",
+            "--deltas {}: name a file that ends in .csv or .md, or -",
             path.display()
         )));
     }
@@ -407,7 +407,7 @@ fn nominal(arguments: &CalibrateArguments) -> Result<Option<Nominal>, Failure> {
         Loaded::Table { table, convention, .. } => {
             Ok(Some(Nominal { table: Some((table, convention)), parallels: Parallels::Hayati }))
         }
-        _ => Err(Failure::Argument(format!("--nominal {file}: this is no D-H table"))),
+        _ => Err(Failure::Argument(format!("--nominal {file}: this is not a D-H table"))),
     }
 }
 

@@ -28,7 +28,7 @@ pub fn run(arguments: &ChainsArguments) -> Result<Status, Failure> {
 }
 
 fn text(name: &str, leaves: usize, chains: &[ChainListing], default: &ChainListing) -> String {
-    let mut out = format!("{name}: {leaves} chains to a leaf; * is taken where none is named\n\n");
+    let mut out = format!("{name}: {leaves} chains to a leaf; * is the default\n\n");
     let width =
         |name: fn(&ChainListing) -> &str| chains.iter().map(|listing| name(listing).chars().count()).max().unwrap_or(0);
     let (base, tip) = (width(|listing| &listing.base), width(|listing| &listing.tip));

@@ -69,7 +69,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     checked.all(&asked)?;
     let Checked { files, fixed, any_is_xacro, unread, .. } = checked;
     if unread == names.len() {
-        return Err(Failure::Argument(format!("none of {unread} files can be read; nothing was checked")));
+        return Err(Failure::Argument(format!("none of the {unread} files can be read; nothing was checked")));
     }
     if !arguments.files.is_empty() {
         source.are_of_use(any_is_xacro)?;
@@ -98,7 +98,7 @@ fn named(project: Option<&Project>, common: &SourceArguments) -> Result<Vec<Name
     let robots = project.map(|project| &project.robots[..]).unwrap_or_default();
     if robots.is_empty() {
         return Err(Failure::Argument(
-            "no robot is named, neither here nor in a denavit.toml; name a file or a folder, or write [robots.NAME] \
+            "no robot is named, here or in a denavit.toml; name a file or a folder, or write [robots.NAME] \
              file = \"…\" into denavit.toml"
                 .into(),
         ));
@@ -152,7 +152,7 @@ fn report(
     if let (Some((_, path)), true) = (baseline, gone > 0) {
         let path = path.display();
         output::mention(format!(
-            "{path}: {gone} finding(s) of the baseline are fixed in these files; --write-baseline {path} takes them out"
+            "{path}: {gone} finding(s) of the baseline are fixed in these files; --write-baseline {path} removes them"
         ));
     }
     Ok(if lint::fails(&findings) { Status::Different } else { Status::Same })
@@ -215,7 +215,7 @@ impl<'a> Checked<'a> {
                 }
             };
             self.any_is_xacro |= urdf.is_xacro;
-            // What an SRDF names is in robots that may be named behind it.
+            // An SRDF needs its robots, which may come later in the list.
             if srdf::is_srdf(&urdf.shown, &urdf.text) {
                 later.push((name, urdf, rules));
             } else {
@@ -251,7 +251,7 @@ impl<'a> Checked<'a> {
         self.files = joined;
     }
 
-    /// A file that cannot be read keeps nobody from the findings of the others.
+    /// If one of several files cannot be read, the others are still checked.
     fn go_on_without(&mut self, failure: Failure, asked: &[NamedSource]) -> Result<(), Failure> {
         if asked.len() == 1 {
             return Err(failure);
@@ -302,29 +302,29 @@ impl<'a> Checked<'a> {
             return Ok(vec![only]);
         }
         if is_beside {
-            output::mention(format!("{name}: left out, as no robot of its name \"{own}\" is checked with it"));
+            output::mention(format!("{name}: left out, as no robot named \"{own}\" is checked with it"));
             return Ok(Vec::new());
         }
         Err(Failure::Argument(format!(
-            "{name}: an SRDF is checked against its robot, and no robot \"{own}\" is named; name its URDF as well, as in \
+            "{name}: an SRDF is checked against its robot, and the robot \"{own}\" is not among the files; name its URDF, too: \
              denavit check arm.urdf {name}"
         )))
     }
 }
 
-/// Whether a xacro file is a part of robots and none by itself, which is then said.
+/// Whether a xacro file is a part of robots and not a robot by itself; a note then says so.
 fn is_part(file: &str, written: &str, source: &SourceArguments) -> bool {
     if !file.to_ascii_lowercase().ends_with(".xacro") {
         return false;
     }
     let why = source::why_a_part(file, written, source);
     if let Some(why) = &why {
-        output::mention(format!("{file}: left out, as it is no robot by itself: {why}"));
+        output::mention(format!("{file}: left out, as it is not a robot by itself: {why}"));
     }
     why.is_some()
 }
 
-/// `check --json a.json b.json` may mean two tables to check; the first is not lost for that.
+/// `check --json a.json b.json` may mean two tables to check; the first must not be overwritten.
 fn refuse_to_replace_a_robot(json: Option<&Path>, source: &SourceArguments) -> Result<(), Failure> {
     let robot = json.filter(|path| path.is_file() && source::load_quietly(&path.to_string_lossy(), source).is_ok());
     robot.map_or(Ok(()), |path| {

@@ -21,7 +21,7 @@ use denavit_load::measured::{taken_at_averages, without_part_in_the_tip};
 pub fn run(arguments: &CodeArguments) -> Result<Status, Failure> {
     let robot = &arguments.robot;
     if arguments.effects.is_none() && !arguments.given.given.is_empty() {
-        return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
+        return Err(Failure::Argument("--given sets quantities that effects follow; it needs --effects".into()));
     }
     let inputs = robot.files().chain(arguments.effects.as_deref());
     let delivery = Delivery::plain(arguments.output.as_deref(), inputs)?;

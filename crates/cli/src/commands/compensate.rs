@@ -1,4 +1,4 @@
-//! `denavit compensate`: joint commands that reach poses with the robot as it is.
+//! `denavit compensate`: joint commands with which a calibrated robot reaches poses.
 
 use crate::args::{CompensateArguments, RobotArguments};
 use crate::delivery::Delivery;

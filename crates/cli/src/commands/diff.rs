@@ -61,7 +61,7 @@ fn options(arguments: &DiffArguments) -> Result<Options, Failure> {
 /// `LOWER,UPPER` or `NAME=LOWER,UPPER`.
 fn range(written: &str) -> Result<Range, Failure> {
     let wrong =
-        || Failure::Argument(format!("--q-range: \"{written}\" is no range; write LOWER,UPPER or NAME=LOWER,UPPER"));
+        || Failure::Argument(format!("--q-range: \"{written}\" is not a range; write LOWER,UPPER or NAME=LOWER,UPPER"));
     let (joint, bounds) = match written.rsplit_once('=') {
         Some((name, bounds)) => (Some(name.to_owned()), bounds),
         None => (None, written),

@@ -14,7 +14,7 @@ use denavit_model::Reading;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A picture of more joints shows nothing, and a page of them is longer than anybody reads.
+/// A picture of more joints is unreadable, and a page of them too long.
 const MOST_JOINTS: usize = 500;
 /// Hands and legs have some dozens.
 const MOST_CHAINS: usize = 300;
@@ -68,7 +68,7 @@ pub fn run(arguments: &DocArguments) -> Result<Status, Failure> {
     }
     let Some(folder) = folder else {
         let [(_, text)] = &files[..] else {
-            let message = format!("--output -: {} files do not fit standard output; name a folder", files.len());
+            let message = format!("--output -: standard output can hold one file, not {}; name a folder", files.len());
             return Err(Failure::Argument(message));
         };
         output::print(text)?;
@@ -173,8 +173,8 @@ fn document(
     let (chain, joints) = (&main.chain, main.chain.joints().len());
     if joints > MOST_JOINTS {
         return Err(Failure::Argument(format!(
-            "{name}: {joints} joints move between \"{}\" and \"{}\", and a page shows no more than {MOST_JOINTS}; choose a part \
-             of the chain by --base and --tip, or print the table alone: denavit table",
+            "{name}: {joints} joints move between \"{}\" and \"{}\", and a page shows at most {MOST_JOINTS}; choose a part \
+             of the chain with --base and --tip, or print the table alone: denavit table",
             chain.base(),
             chain.tip()
         )));
@@ -187,8 +187,8 @@ fn document(
         let listed = tree.leaf_chains();
         if listed.len() > MOST_CHAINS {
             return Err(Failure::Argument(format!(
-                "{name}: the robot has {} chains, and a page shows no more than {MOST_CHAINS}; cut what is not needed off its \
-                 tree, or print the table of one chain: denavit table --base LINK --tip LINK",
+                "{name}: the robot has {} chains, and a page shows at most {MOST_CHAINS}; remove links from its tree, or print \
+                 the table of one chain: denavit table --base LINK --tip LINK",
                 listed.len()
             )));
         }
@@ -225,7 +225,7 @@ fn part(robot: &RobotArguments, loaded: &Loaded) -> Result<ChainPart, Failure> {
     let gauge = if made.gauge == "file" {
         "As the file has them: its joint origins, or its rows, are Denavit-Hartenberg numbers."
     } else {
-        "The fewest numbers that are not zero, quarter turns before other angles."
+        "The fewest nonzero numbers; quarter turns rather than other angles."
     };
     Ok(ChainPart { chain, table: made.table.value, notes: made.table.notes, gauge: gauge.into() })
 }

@@ -1,4 +1,4 @@
-//! `denavit edit`: operations on a URDF's text, each proved.
+//! `denavit edit`: operations on a URDF's text, each checked.
 
 mod meshes;
 
@@ -86,19 +86,19 @@ fn json(done: &denavit_edit::Done) -> Result<String, Failure> {
     Ok(text + "\n")
 }
 
-/// The text of a URDF, or what a xacro file stands for where it may be expanded.
+/// The text of a URDF, or of an expanded xacro file with `--expand`.
 fn urdf(name: &str, outputs: &EditOutputs, source: &SourceArguments) -> Result<Text, Failure> {
     let (file, written) = source::read_text(name)?;
     if !denavit_load::is_markup(&file, &written) {
         return Err(Failure::Argument(format!(
-            "{file}: this is no URDF, and edits are made to the text of one; `denavit export {file}` makes a URDF of it first"
+            "{file}: this is not a URDF, and edits change the text of a URDF; `denavit export {file}` makes a URDF of it first"
         )));
     }
     let urdf = source::urdf_text(&file, written, source)?;
     if urdf.is_xacro && !outputs.expand {
         return Err(Failure::Argument(format!(
-            "{file}: this is xacro: one line of it may stand for several joints, so that an edit has no one place; --expand \
-             edits the URDF that it stands for"
+            "{file}: this is xacro: one line may make several joints, so an edit has no single place; --expand edits the URDF \
+             that it makes"
         )));
     }
     Ok(Text { file, text: urdf.text })
@@ -143,7 +143,7 @@ fn operation(
     Ok(Operation::of(&words)?)
 }
 
-/// A maker's figures, and how they lie on the robot.
+/// A maker's calibrated numbers, and how they relate to the robot.
 fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot: &Text) -> Result<Actual, Failure> {
     let mut source = SourceArguments {
         vendor_angles: with.vendor_angles,
@@ -167,7 +167,7 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
         let own = drawn.chain(None, None, Reading::Intended).ok();
         if let Some(model) = own.and_then(|chain| makers::ur_model(&chain.value)) {
             output::mention(format!(
-                "{file}: the robot has the axes of a {model}; {}:={model} is taken",
+                "{file}: the robot has the axes of a {model}; {}:={model} is assumed",
                 ur_conf::MODEL_ARGUMENT
             ));
             source.values.push(format!("{}:={model}", ur_conf::MODEL_ARGUMENT));
@@ -181,15 +181,15 @@ fn actual(name: &str, with: &OperationArguments, source: &SourceArguments, robot
         (_, Some(Loaded::Table { table, convention, .. })) => Frames::AsNominal(Box::new(table), convention),
         (_, Some(_)) => {
             return Err(Failure::Argument(
-                "--nominal: this is no D-H table; write the table of the arm as drawn, in the form of the maker's actual one".into(),
+                "--nominal: this is not a D-H table; name the table of the arm as drawn, in the form of the maker's actual one".into(),
             ));
         }
         (Loaded::Table { .. }, None) => match drawn_inside(name, &source)? {
             Some((table, convention)) => Frames::AsNominal(Box::new(table), convention),
             None => {
                 return Err(Failure::Argument(format!(
-                    "{name}: a D-H table has zeros and frames of its own; --nominal FILE names the maker's table of the arm as \
-                     drawn, by which it is laid on the robot"
+                    "{name}: a D-H table has its own zeros and frames; --nominal FILE names the maker's table of the arm as \
+                     drawn, which relates them to the robot"
                 )));
             }
         },
@@ -228,14 +228,16 @@ fn calibrated(file: &str, text: &str, robot: &Text) -> Result<Actual, Failure> {
             Err(error) => refused = refused.or(Some(error)),
         }
     }
-    Err(Failure::Argument(refused.map_or_else(|| format!("{file}: no calibration"), |error| error.to_string())))
+    Err(Failure::Argument(
+        refused.map_or_else(|| format!("{file}: this is not a calibration"), |error| error.to_string()),
+    ))
 }
 
 /// This program was built without calibration.
 #[cfg(not(feature = "calibrate"))]
 fn calibrated(file: &str, _: &str, _: &Text) -> Result<Actual, Failure> {
     Err(Failure::Argument(format!(
-        "{file}: this program was built without calibration, which reads such results; take the URDF that calibrate --urdf wrote"
+        "{file}: this program was built without calibration and cannot read this result; use the URDF that calibrate --urdf wrote"
     )))
 }
 

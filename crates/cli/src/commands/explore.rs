@@ -84,7 +84,7 @@ fn page() -> Result<Option<Cow<'static, str>>, Failure> {
     let page = std::fs::read_to_string(&path)
         .map_err(|error| Failure::Argument(format!("{}: cannot be read: {error}", path.display())))?;
     if !page.contains(ROBOTS) {
-        return Err(Failure::Argument(format!("{}: this is no page of web/build; build it again", path.display())));
+        return Err(Failure::Argument(format!("{}: this is not a page of web/build; build it again", path.display())));
     }
     Ok(Some(page.into()))
 }
@@ -99,10 +99,12 @@ fn with_robots(page: &str, names: &[String], source: &SourceArguments) -> Result
 /// What shows one robot where the page of `web/` is not installed: picture, table and joint values of `denavit doc`.
 fn plain(names: &[String], source: &SourceArguments) -> Result<String, Failure> {
     let [name] = names else {
-        return Err(Failure::Argument(format!("{NOT_INSTALLED}; without it, name one robot: its page is shown")));
+        return Err(Failure::Argument(format!(
+            "{NOT_INSTALLED}; without it, only one robot can be shown: name one robot"
+        )));
     };
     let page = super::doc::page_of(name, source)?;
-    output::mention(format!("this is the page of denavit doc: {NOT_INSTALLED}"));
+    output::mention(format!("showing the page of denavit doc instead: {NOT_INSTALLED}"));
     Ok(page)
 }
 

@@ -37,7 +37,7 @@ pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     ] {
         if given {
             return Err(Failure::Argument(format!(
-                "{option} is for a conversion; say to which format: --to mjcf, sdf or urdf"
+                "{option} is for a conversion; choose its format: --to mjcf, sdf or urdf"
             )));
         }
     }
@@ -50,8 +50,8 @@ pub fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     let replaced = matches!(loaded, Loaded::Robot(_)) && options.link_frames == LinkFrames::Replace;
     if replaced && !denavit_load::same_table(&loaded, &exported.value, &robot.selection(), &how)? {
         output::mention(
-            "the table of the source has other numbers of the same robot than the table of this export: the geometry leaves free \
-             how lengths along one axis are split",
+            "the D-H tables of the source and of this export have different numbers for the same robot: the geometry does not \
+             determine how lengths along one axis are split",
         );
     }
     delivery.text(exported.value)?;
@@ -70,14 +70,12 @@ fn converted(arguments: &ExportArguments, to: Format, file: &str, text: &str) ->
     let robot = &arguments.robot;
     if arguments.fix_inertia && to != Format::Mjcf {
         let name = to.name();
-        return Err(Failure::Argument(format!(
-            "--fix-inertia: {name} takes every inertia as it is; leave the option out"
-        )));
+        return Err(Failure::Argument(format!("--fix-inertia: {name} accepts every inertia; leave the option out")));
     }
     if arguments.srdf.is_some() && to != Format::Mjcf {
         let name = to.name();
         return Err(Failure::Argument(format!(
-            "--srdf: {name} says nothing of what an SRDF says; keep the SRDF beside it"
+            "--srdf: {name} cannot hold the contents of an SRDF; keep the SRDF as a file of its own"
         )));
     }
     let srdf = arguments.srdf.as_deref().map(source::read_text).transpose()?;

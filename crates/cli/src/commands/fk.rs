@@ -35,7 +35,7 @@ pub fn run(arguments: &FkArguments) -> Result<Status, Failure> {
     doubts(chain, &q, arguments.degrees);
     let pose = match &arguments.effects {
         None if !arguments.given.given.is_empty() => {
-            return Err(Failure::Argument("--given is for what effects follow; give --effects, too".into()));
+            return Err(Failure::Argument("--given sets quantities that effects follow; it needs --effects".into()));
         }
         None => chain.fk(&q),
         #[cfg(not(feature = "calibrate"))]
@@ -89,7 +89,7 @@ fn doubts(chain: &Chain, q: &[f64], degrees: bool) {
     let far = angles().any(|(coordinate, value)| value.abs() > MOST_RADIANS || beyond(coordinate, *value));
     let fits = angles().all(|(coordinate, value)| inside(coordinate, value.to_radians()));
     if far && fits && !degrees {
-        output::mention("--q is read in radians, and looks like degrees; for degrees add --degrees");
+        output::mention("--q is read in radians but looks like degrees; for degrees add --degrees");
     }
 }
 
@@ -153,7 +153,7 @@ pub fn joint_values(chain: &Chain, option: &str, written: &str, degrees: bool) -
             }
         };
         let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
-        let number = number.ok_or_else(|| wrong(format!("\"{value}\" is no finite number")))?;
+        let number = number.ok_or_else(|| wrong(format!("\"{value}\" is not a finite number")))?;
         let angle = coordinates[index].quantity == Quantity::Angle;
         q[index] = if degrees && angle { number.to_radians() } else { number };
     }

@@ -101,7 +101,7 @@ fn csv(solver: &Solver, answers: &[Answer], all: bool, units: denavit_measuremen
         if answer.lost > 0 {
             let _ = writeln!(
                 text,
-                "# line {}: {} of the branches that the arm with exactly parallel or intersecting axes has were not found on this one",
+                "# line {}: {} branches of the arm with exactly parallel or intersecting axes were not found for this arm",
                 answer.line, answer.lost
             );
         }

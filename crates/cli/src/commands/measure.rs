@@ -86,8 +86,8 @@ fn refused(arguments: &MeasureArguments) -> Result<(), Failure> {
     if crate::bags::is_bag(file) || workbook {
         let what = if workbook { "a workbook" } else { "a bag" };
         return Err(Failure::Argument(format!(
-            "{file}: {what} is no text that grows row by row; write the rows as CSV while you measure, or calibrate with \
-             {what} when it is whole"
+            "{file}: {what} does not grow row by row; write the rows as CSV while you measure, or calibrate with {what} when it \
+             is complete"
         )));
     }
     if let Some(readings) = &arguments.touch
@@ -178,7 +178,7 @@ impl Session<'_> {
                     continue;
                 }
                 News::Anew(why) => {
-                    self.screen.mention(&format!("{}: {why}; its rows are taken anew", self.reader.name));
+                    self.screen.mention(&format!("{}: {why}; all its rows are read again", self.reader.name));
                     self.monitor = self.fresh.clone();
                     self.restarts += 1;
                     continue;

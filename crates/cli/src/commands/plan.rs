@@ -43,7 +43,7 @@ pub fn run(arguments: &PlanArguments) -> Result<Status, Failure> {
     Ok(Status::Same)
 }
 
-/// Poses chosen where nobody says how many: what the report of a calibration speaks of.
+/// Default number of poses, the same as in the report of a calibration.
 const USUAL_COUNT: u16 = 20;
 
 fn options(arguments: &PlanArguments, chain: &Chain) -> Result<PlanOptions, Failure> {
@@ -62,7 +62,7 @@ fn options(arguments: &PlanArguments, chain: &Chain) -> Result<PlanOptions, Fail
     })
 }
 
-/// The run calibrated as `denavit calibrate` does it where nothing else is said.
+/// The run calibrated with the defaults of `denavit calibrate`.
 fn calibrated(arguments: &PlanArguments, robot: &Robot, units: Units) -> Result<Calibration, Failure> {
     let import = measured::import_options(&arguments.import)?;
     let read = |file: &String| measured::data_file(file, units, import.clone());

@@ -14,7 +14,7 @@ use std::path::Path;
 pub fn run(arguments: &PlateArguments) -> Result<Status, Failure> {
     let plate: Plate = arguments.plate.parse().map_err(|error: PlateError| Failure::Argument(error.to_string()))?;
     let ball = Unit::value(&arguments.ball, Quantity::Length).ok_or_else(|| {
-        Failure::Argument(format!("--ball: \"{}\" is no length; write 10mm", quoted(&arguments.ball)))
+        Failure::Argument(format!("--ball: \"{}\" is not a length; write 10mm", quoted(&arguments.ball)))
     })?;
     let made = PrintPlate::new(plate, ball).map_err(|error| Failure::Argument(format!("--ball: {error}")))?;
     let mut outputs = Outputs::beside(std::iter::empty::<&str>());
@@ -40,7 +40,7 @@ fn text(made: &PrintPlate, path: &Path) -> Result<String, Failure> {
         Some("stl") => Ok(made.stl()),
         Some("svg") => Ok(made.drawing()),
         _ => Err(Failure::Argument(format!(
-            "--output {}: the extension says what to write; end it in .stl or .svg",
+            "--output {}: the extension chooses the format; end it in .stl or .svg",
             path.display()
         ))),
     }

@@ -57,12 +57,12 @@ fn options(arguments: &SimulateArguments, chain: &Chain) -> Result<SimulationOpt
         measured::millimetres_and_milliradians("--noise", &arguments.noise, 0.05)?;
     let share = arguments.outliers;
     if !(0.0..=1.0).contains(&share) {
-        return Err(Failure::Argument(format!("--outliers: {share} is no share of the rows; write 0 to 1")));
+        return Err(Failure::Argument(format!("--outliers: {share} is not a share of the rows; write 0 to 1")));
     }
     let sight = measured::sight(&arguments.camera)?;
     if sight.as_ref().is_some_and(|sight| sight.board.is_none()) {
         return Err(Failure::Argument(
-            "--camera needs a board to see; give its squares by --board, such as 7x5:30mm".into(),
+            "--camera needs a board; give its squares with --board, such as 7x5:30mm".into(),
         ));
     }
     let kind = if sight.is_some() { ObservationKind::Pixel } else { measured::kind(arguments.measure) };

@@ -62,7 +62,7 @@ impl Destination {
                 Err(error) => return Err(failed(error)),
             }
         }
-        Err(refused("its links lead in a circle"))
+        Err(refused("its links form a loop"))
     }
 
     /// Whether both are one place that can hold one text only.

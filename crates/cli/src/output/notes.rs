@@ -1,6 +1,6 @@
-//! Notes of one command, told at its end: each once, those of one kind together, few lines.
+//! Notes of one command, printed at its end: each once, those of one kind together, few lines.
 
-/// Lines of notes that are printed where not all are asked for.
+/// Largest number of lines of notes, unless all are requested.
 pub(super) const MOST: usize = 10;
 
 /// A note without what differs among notes of one kind: its numbers and what is quoted.

@@ -45,7 +45,7 @@ pub fn temporary(target: &Path, shown: &Path) -> Result<NamedTempFile, Failure> 
         let mut pending = pending();
         let file = tempfile::Builder::new().prefix(".denavit-").tempfile_in(folder);
         let file = file.map_err(|error| {
-            let reason = format!("no file can be made in {}: {}", folder.display(), error.kind());
+            let reason = format!("no file can be created in {}: {}", folder.display(), error.kind());
             Failure::Write { file: shown.display().to_string(), reason }
         })?;
         pending.push(file.path().to_owned());
@@ -64,7 +64,7 @@ fn like_the_old_one(target: &Path, file: &NamedTempFile, shown: &Path) -> Result
             if (old.uid(), old.gid()) != (made.uid(), made.gid()) {
                 fchown(file.as_file(), Some(old.uid()), Some(old.gid())).map_err(|_| Failure::Write {
                     file: shown.display().to_string(),
-                    reason: "it belongs to another user or group, which it would not if it were replaced; write to \
+                    reason: "it belongs to another user or group, and replacing it would change its owner; write to \
                              another file"
                         .to_owned(),
                 })?;
@@ -152,7 +152,7 @@ fn taken_back((target, before): (PathBuf, Before)) -> Option<String> {
                 Ok(path) => format!("it is kept as {}", path.display()),
                 Err(error) => format!("it could not be kept, either: {}", error.error),
             };
-            Some(format!("{} could not get back what it was: {error}; {kept}", target.display()))
+            Some(format!("{} could not be restored: {error}; {kept}", target.display()))
         }
     }
 }

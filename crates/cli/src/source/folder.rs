@@ -6,9 +6,9 @@ use crate::output;
 use denavit_model::formats::{Format, root_element};
 use std::path::{Path, PathBuf};
 
-/// Words on the command line as sources, each a name, and the arguments of xacro files among them. A folder stands for the
-/// robots below it, hidden folders left out: every URDF, MJCF and SDF, and each xacro file, table and list of screw axes that is a
-/// robot.
+/// The sources that words of the command line name; arguments of xacro files among them go to `arguments`. A folder means all
+/// robots below it, except in hidden folders: every URDF, MJCF and SDF, and each xacro file, table and list of screw axes that
+/// is a robot.
 pub fn sources(words: &[String], arguments: &mut SourceArguments) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
     for word in words {
@@ -50,7 +50,7 @@ fn robots_in(folder: &Path, arguments: &SourceArguments) -> Result<Vec<String>, 
                 Err(failure) => {
                     let reason = failure.to_string();
                     let reason = reason.lines().next().unwrap_or_default();
-                    output::mention(format!("{name}: left out, as it is no robot by itself: {reason}"));
+                    output::mention(format!("{name}: left out, as it is not a robot by itself: {reason}"));
                 }
             },
             // A world may be a building. Folders of robots hold measurements and settings in these formats, too.

@@ -141,8 +141,8 @@ fn frames_on_one_side_only_are_named() {
         .replace("xyz=\"0 0 0.1\"/><parent link=\"other", "xyz=\"0 0 0.15\"/><parent link=\"other");
     let found = found(&interior, Scope::Everything);
     assert_eq!(found.verdict, Verdict::Same, "{found:?}");
-    assert!(found.notes.iter().any(|note| note == "links gone: \"middle\""), "{:?}", found.notes);
-    assert!(found.notes.iter().any(|note| note == "links new: \"other_middle\""), "{:?}", found.notes);
+    assert!(found.notes.iter().any(|note| note == "links removed: \"middle\""), "{:?}", found.notes);
+    assert!(found.notes.iter().any(|note| note == "links added: \"other_middle\""), "{:?}", found.notes);
 }
 
 #[test]
@@ -159,8 +159,8 @@ fn a_text_that_is_no_fingerprint_is_told_from_another_fingerprint() {
     let own = fingerprint(&Subject::Robot(&urdf::read("r", ROBOT).unwrap()), 1e-6);
     assert_eq!(own.comparable(&own.to_string()), Ok(()));
     for (written, words) in [
-        ("abc", "is no fingerprint"),
-        ("d3-1e-6-98f2c1a0b3d4-55e01f7a9c2", "is no fingerprint"),
+        ("abc", "is not a fingerprint"),
+        ("d3-1e-6-98f2c1a0b3d4-55e01f7a9c2", "is not a fingerprint"),
         ("d1-1e-6-98f2c1a0b3d4-55e01f7a9c22", "format d1"),
         ("d3-1e-5-98f2c1a0b3d4-55e01f7a9c22", "‹tolerance› 1e-5"),
     ] {

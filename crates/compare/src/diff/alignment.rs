@@ -1,8 +1,8 @@
-//! Which joint is which, and how each body of b sits against the same body of a.
+//! Pairs the joints of two robots, and finds the pose of each body of b relative to the same body of a.
 //!
-//! For every body there is one rigid motion that takes a's body (root frame, zero) to b's. It is the one under which
-//! most of what the body and everything behind it has - axes, shapes, centres of mass, empty tips - falls on what b
-//! has there. An edit at one joint moves all that is behind it rigidly, so the motion changes at that joint only.
+//! For every body one rigid motion takes a's body (root frame, zero) to b's. It is the motion that makes most
+//! features of the body and its descendants - axes, shapes, centres of mass, empty tips - coincide with those of b.
+//! An edit at one joint moves all its descendants rigidly, so the motion changes only at that joint.
 
 use crate::diff::Options;
 use crate::diff::features::{Features, Precision, alike};
@@ -11,7 +11,7 @@ use denavit_model::Screw;
 use denavit_model::nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use denavit_model::se3::{self, Pose};
 
-/// The joints of b that stand for the joints of a, and the motions from a's bodies to b's.
+/// The joints of b that correspond to those of a, and the motions from a's bodies to b's.
 pub(crate) struct Alignment {
     /// For each joint of a.
     pub joint_b: Vec<Option<usize>>,
@@ -19,27 +19,27 @@ pub(crate) struct Alignment {
     pub joint_a: Vec<Option<usize>>,
     /// For each body of a: b_from_a.
     pub moved: Vec<Pose>,
-    /// For each body of a, the body of b that stands for it.
+    /// For each body of a, the corresponding body of b.
     pub body_b: Vec<usize>,
 }
 
-/// A body of a that stays where its carrier puts it needs no further explanation.
+/// Bonus for a body of a that stays where its carrier puts it.
 const UNMOVED: f64 = 1.0;
-/// With free zeros, not much speaks for staying.
+/// The bonus with free zeros, which is small.
 const UNMOVED_FREE: f64 = 0.3;
-/// Link frames count as a hint only: they may be re-placed at will.
+/// Link frames are only a hint: they may be moved at will.
 const FRAMES: f64 = 0.25;
-/// Where this share of all features agrees to rounding, one robot was made from the other by a few edits.
+/// If this share of all features agrees to rounding, one robot comes from the other by a few edits.
 const MOSTLY: f64 = 0.5;
-/// Joints on one body that no name pairs are paired by their axes, this many at most: each is compared with each.
+/// Joints on one body without a name match are paired by their axes, at most this many, because all pairs are compared.
 const PAIRED: usize = 100;
 /// Frames of a body that are compared with those of b, at most.
 const FRAMES_HELD: usize = 100;
-/// Frames and shapes of a body that are tried as what carried the body along.
+/// Number of frames and shapes of a body whose motion is tried for the body.
 const TRIED: usize = 6;
 
 impl Alignment {
-    /// Pairs the joints and finds each body's motion, the root body's being given.
+    /// Pairs the joints and finds each body's motion; that of the root body is given.
     pub fn new(a: &Mechanism, b: &Mechanism, root: Pose, options: &Options) -> Self {
         let features = Features::of(a, Precision::Rounding);
         let exact = Self::by(a, b, &features, root, options);
@@ -209,7 +209,7 @@ impl Alignment {
         result
     }
 
-    /// Motions that take a's axis and one behind it to b's.
+    /// Motions that take a's axis and a following one to b's.
     fn axis_pairs(
         &self,
         a: &Mechanism,
@@ -255,8 +255,8 @@ impl Alignment {
     }
 }
 
-/// Motions of the base that are worth a try: those of the root body's frames and shapes, and those that take the first
-/// two axes of a branch to where b has them.
+/// Candidate motions of the base: those of the root body's frames and shapes, and those that take the first two axes
+/// of a branch to those of b.
 pub(crate) fn bases(a: &Mechanism, b: &Mechanism, named: &Alignment, options: &Options) -> Vec<Pose> {
     let on = a.joints_on();
     let mut result = named.candidates(a, b, &on, (0, &Pose::identity()), options);
@@ -271,7 +271,7 @@ pub(crate) fn bases(a: &Mechanism, b: &Mechanism, named: &Alignment, options: &O
     result
 }
 
-/// Where all axes are parallel, only the tips tell how far along them the base is.
+/// If all axes are parallel, only the tips determine the position of the base along them.
 fn slid_to_tip(a: &Mechanism, b: &Mechanism, base: &Pose, first: &Screw) -> Option<Pose> {
     let tip = |mechanism: &Mechanism| mechanism.bodies.last()?.frames.last().map(|frame| frame.pose.translation.vector);
     let u = first.direction().into_inner();
@@ -279,10 +279,10 @@ fn slid_to_tip(a: &Mechanism, b: &Mechanism, base: &Pose, first: &Screw) -> Opti
     Some(se3::translation(u * u.dot(&apart)) * base)
 }
 
-/// Rounding: relative to the robot's size for lengths, rad for angles. What agrees better than this agrees exactly.
+/// Rounding: relative to the robot's size for lengths, rad for angles. Values that agree better than this agree exactly.
 pub(crate) const TIGHT: f64 = 1e-10;
 
-/// How far two joints are from being one: infinite where their kinds exclude it.
+/// Distance of two joints: infinite if their kinds are incompatible.
 fn unlikeness(a: &Mechanism, b: &Mechanism, one: usize, other: usize, moved: &Pose) -> f64 {
     let (one, other) = (&a.joints[one], &b.joints[other]);
     let (Some(in_a), Some(in_b)) = (&one.screw, &other.screw) else {
@@ -306,7 +306,7 @@ fn unlikeness(a: &Mechanism, b: &Mechanism, one: usize, other: usize, moved: &Po
 
 /// A frame on axis `one`: z along it, x along the common normal to `two`, origin where that starts.
 ///
-/// `None` where the two lie on one line, or where one of the joints slides and both point alike.
+/// `None` if both lie on one line, or if one of the joints is prismatic and both are parallel.
 fn pair_frame(one: &Screw, two: &Screw, near: &Point3<f64>, sense: f64) -> Option<Pose> {
     let z = one.direction().into_inner() * sense;
     let w = two.direction().into_inner();

@@ -1,4 +1,4 @@
-//! A bound that no configuration exceeds: how far a tip can be displaced over the joint ranges.
+//! Upper bound of the displacement of a tip over the joint ranges.
 //!
 //! ```text
 //! t_b - t_a = Σ C1 ··· C(i-1) (Ci - Ai) A(i+1) ··· An t  +  C1 ··· Cn (t' - t)
@@ -8,7 +8,7 @@
 //! about an axis gives a ball again. With z = Ai y and V = Ci Ai⁻¹, |Ci y - Ai y| = |V z - z|, which is exact for the
 //! ball's centre and off by at most the rotation angle times its radius; over an interval of qi, V z changes by no
 //! more than the difference of both unit twists, seen from behind the joint, moves a point of the ball. The box of
-//! joint values is halved where that helps most, until the bound is near a value that is reached.
+//! joint values is halved where that helps most, until the bound is close to an attained value.
 
 use crate::diff::steps::{Motor, Step, TipPath};
 use crate::mechanism::Interval;
@@ -17,12 +17,12 @@ use denavit_model::nalgebra::{Point3, Vector3, Vector6};
 use denavit_model::se3::{self, Pose};
 use std::collections::BinaryHeap;
 
-/// Halving ends when the bound is this close to a value that is reached.
+/// Halving ends when the bound is this close to an attained value.
 const CLOSE: f64 = 1.1;
 /// Or after this many halvings per joint: a bound stays a bound.
 const HALVINGS: usize = 1500;
-/// Joint motions that are worth computing for one tip; of a way so long and so changed that one look at each step costs
-/// more, only the gap between where both tips can be at all is known.
+/// Maximum number of joint motions computed for one tip; if a path needs more for a single pass, the bound is only
+/// the gap between the reachable regions of both tips.
 const MOTIONS: usize = 20_000_000;
 
 /// An upper bound for [`TipPath::displacement`] over the intervals, m.
@@ -55,7 +55,7 @@ struct Ball {
 struct Cell {
     intervals: Vec<(f64, f64)>,
     upper: f64,
-    /// The coordinate whose halving promises most.
+    /// The coordinate whose halving helps most.
     widest: usize,
 }
 
@@ -185,7 +185,7 @@ impl Ball {
         carried.swept(&motor.screw, x.min(y), x.max(y)).0
     }
 
-    /// No point of one is farther from a point of the other.
+    /// Largest distance between points of the two balls.
     fn widest_gap(&self, other: &Self) -> f64 {
         (self.centre - other.centre).norm() + self.radius + other.radius
     }
@@ -204,7 +204,7 @@ impl Ball {
                 if half >= std::f64::consts::FRAC_PI_2 {
                     (arm.norm() + slid, foot + slide)
                 } else {
-                    // The smallest ball around an arc stands over the middle of its chord.
+                    // The centre of the smallest ball around an arc is above the middle of its chord.
                     let turned = se3::rotation_about(&line.direction, middle) * arm;
                     (arm.norm() * half.sin() + slid, foot + turned * half.cos() + slide)
                 }

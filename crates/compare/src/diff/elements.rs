@@ -1,5 +1,5 @@
-//! What a file says beyond links and joints - transmissions, simulators' and controllers' settings, calibration -
-//! compared value by value; what they place by where it is on the robot, whatever link's frame it is given in.
+//! Compares elements other than links and joints - transmissions, simulator and controller settings, calibration -
+//! value by value; poses in them are compared on the robot, independent of the link frame they refer to.
 
 use crate::comparison::{PartDifference, PartKind};
 use crate::diff::Options;
@@ -9,7 +9,7 @@ use crate::words;
 use denavit_model::se3;
 use std::collections::{HashMap, HashSet};
 
-/// Numbers closer than this, relative, are one number written twice.
+/// Numbers closer than this, relative, are equal.
 const WRITTEN: f64 = 1e-9;
 
 /// Every value that differs; `renamed` gives names of a under which b knows the same joint or link, `line` the line of a
@@ -68,7 +68,7 @@ pub(crate) fn compare(
     found
 }
 
-/// What the element places and b places elsewhere, by path, with how it differs.
+/// Poses of the element that differ in b, by path, with the difference.
 fn moved(
     (a, element): &(&Mechanism, &PlacedElement),
     (b, other): &(&Mechanism, &PlacedElement),
@@ -100,7 +100,7 @@ fn moved(
                 (se3::angle_between(&one, other).min(se3::angle_between(&-one, other)), 0.0)
             }
             _ => {
-                found.push((part.path.clone(), "is given otherwise".to_owned()));
+                found.push((part.path.clone(), "is specified differently".to_owned()));
                 continue;
             }
         };
@@ -113,7 +113,7 @@ fn moved(
     found
 }
 
-/// Whether a body of b stands for one of a, joints that only b has taken away.
+/// Whether a body of b corresponds to one of a, ignoring joints that only b has.
 fn together(a: &Mechanism, b: &Mechanism, at: &Alignment, in_a: usize, mut in_b: usize) -> bool {
     while let Some(joint) = in_b.checked_sub(1).filter(|joint| at.joint_a[*joint].is_none()) {
         in_b = b.joints[joint].parent.map_or(0, |parent| parent + 1);

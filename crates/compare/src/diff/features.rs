@@ -1,4 +1,4 @@
-//! What a body has that shows where it is: axes of joints on it, shapes, centre of mass, empty leaf frames.
+//! Features that determine the pose of a body: joint axes on it, shapes, centre of mass, empty leaf frames.
 
 use crate::diff::Options;
 use crate::diff::alignment::{Alignment, TIGHT};
@@ -17,11 +17,11 @@ enum Feature {
     Shape(usize),
     /// The centre of mass.
     Centre,
-    /// A frame of the body that nothing but its place tells of.
+    /// A frame of the body that has no content but its pose.
     Tip(usize),
 }
 
-/// The features of every body of a, and which bodies hang behind which.
+/// The features of every body of a, and the tree of bodies.
 pub(crate) struct Features {
     precision: Precision,
     of_body: Vec<Vec<Feature>>,
@@ -29,18 +29,18 @@ pub(crate) struct Features {
     next: Vec<Vec<usize>>,
 }
 
-/// How well features must agree to tell where a body is.
+/// How well features must agree to locate a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Precision {
-    /// To rounding: for robots that are the same but for a few edits.
+    /// To rounding: for robots that differ only by a few edits.
     Rounding,
     /// Within the tolerances: for robots that were written down independently.
     Tolerance,
 }
 
-/// Bodies behind one that are looked at to place it: of a longer arm, the far end says no more.
+/// Number of descendants used to locate a body; the far end of a longer arm adds nothing.
 const BEHIND: usize = 256;
-/// Shapes of a body that are looked at to place it; a robot made of hundreds of spheres needs no more.
+/// Number of shapes used to locate a body; enough for a robot made of hundreds of spheres.
 const SHAPES: usize = 8;
 
 impl Features {
@@ -71,7 +71,7 @@ impl Features {
         exact.count() as f64 / all().count().max(1) as f64
     }
 
-    /// A body and those behind it, the nearest first, as many as are looked at.
+    /// A body and its descendants, the nearest first, as many as are used.
     fn behind(&self, body: usize) -> Vec<usize> {
         let mut result = vec![body];
         let mut at = 0;
@@ -80,12 +80,12 @@ impl Features {
             at += 1;
         }
         result.truncate(BEHIND);
-        // In the order of the joints, so that sums do not depend on the way here.
+        // In the order of the joints, so that sums do not depend on the search order.
         result.sort_unstable();
         result
     }
 
-    /// How many features of a body and of those behind it a motion takes to where b has them; those that agree to
+    /// How many features of a body and its descendants a motion takes to those of b; those that agree to
     /// rounding count a little more than those that agree within tolerance.
     pub fn score(
         &self,
@@ -102,7 +102,7 @@ impl Features {
         self.behind(body).iter().map(of_body).sum()
     }
 
-    /// 1 to rounding, 0.9 within tolerance, 0 else; a little less for an axis of reversed sense.
+    /// 1 to rounding, 0.9 within tolerance, otherwise 0; a little less for an axis of reversed sense.
     fn agreement(
         &self,
         at: &Alignment,
@@ -159,7 +159,7 @@ impl Features {
     }
 }
 
-/// How far two axes are apart: angle (rad), distance of the lines beside the joints (m), whether they point oppositely.
+/// How far two axes are apart: angle (rad), distance of the lines near the joints (m), whether they point oppositely.
 pub(crate) fn axes_apart(one: &Screw, at: &Point3<f64>, other: &Screw, at_other: &Point3<f64>) -> (f64, f64, bool) {
     let (u, w) = (one.direction().into_inner(), other.direction().into_inner());
     let reversed = u.dot(&w) < 0.0;
@@ -174,7 +174,7 @@ pub(crate) fn axes_apart(one: &Screw, at: &Point3<f64>, other: &Screw, at_other:
     (turned, distance, reversed)
 }
 
-/// Whether two shapes can stand for each other.
+/// Whether two shapes can correspond to each other.
 pub(crate) fn alike(one: &PlacedShape, other: &PlacedShape, options: &Options) -> bool {
     one.role == other.role && same_size(&one.geometry, &other.geometry, options.tolerance_m)
 }

@@ -11,14 +11,14 @@ use denavit_model::nalgebra::Point3;
 use denavit_model::se3::{self, Pose};
 use std::collections::{HashMap, HashSet};
 
-/// How a joint of b runs against its like in a: q_b = sense · q_a + shift.
+/// The relation of a joint of b to its counterpart in a: q_b = sense · q_a + shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reparametrised {
     pub sense: f64,
     pub shift: f64,
 }
 
-/// A joint that runs as its like does.
+/// The identity.
 pub(crate) const AS_IS: Reparametrised = Reparametrised { sense: 1.0, shift: 0.0 };
 
 impl Reparametrised {
@@ -34,7 +34,7 @@ impl Reparametrised {
     }
 }
 
-/// Everything that changed between joint `index` of a and its like in b.
+/// Everything that changed between joint `index` of a and its counterpart in b.
 pub(crate) fn changes(
     a: &Mechanism,
     b: &Mechanism,
@@ -124,7 +124,7 @@ fn controller(one: &MovingJoint, two: &MovingJoint, run: Reparametrised, options
     found
 }
 
-/// How joint `index` of b runs against its like in a.
+/// The relation of joint `index` of b to its counterpart in a.
 pub(crate) fn run(a: &Mechanism, b: &Mechanism, at: &Alignment, index: usize, options: &Options) -> Reparametrised {
     let (joint, carrier) = (&a.joints[index], at.moved[a.joints[index].parent.map_or(0, |parent| parent + 1)]);
     at.joint_b[index]
@@ -149,7 +149,7 @@ pub(crate) struct GeometryFound {
     pub run: Reparametrised,
 }
 
-/// Axis against the carrier's motion, then what the joint carries against the axis.
+/// The axis relative to its carrier, then the child relative to the axis.
 pub(crate) fn geometry(
     one: &MovingJoint,
     two: &MovingJoint,
@@ -197,7 +197,7 @@ fn displacement_near(motion: &Pose, point: &Point3<f64>) -> (f64, f64) {
     (se3::rotation_angle(&motion.rotation), (motion * point - point).norm())
 }
 
-/// What a motion of the link behind the joint is beyond the motion of the axis.
+/// The part of a child link's motion that exceeds the motion of the axis.
 fn behind(
     result: &mut GeometryFound,
     screw: &Screw,
@@ -224,7 +224,7 @@ fn behind(
         }
         return;
     }
-    // Where the axis alone was turned, its link stays: then the least motion is undone behind it.
+    // If only the axis was turned, its link stays: the minimal motion is then undone after it.
     if across > options.tolerance_rad || aside > options.tolerance_m {
         let turn = se3::rotation_vector(&carried.rotation);
         let (rad, m) = displacement_near(carried, at);
@@ -242,12 +242,12 @@ fn behind(
 fn shift(result: &mut GeometryFound, by: f64, unit: &'static str, tolerance: f64) {
     if by.abs() > tolerance {
         result.changes.push(JointChange::ZeroShifted { by, unit });
-        // b shows a's pose at zero when its value has gone back by the shift.
+        // b has a's pose at zero when its value is reduced by the shift.
         result.run.shift = -result.run.sense * by;
     }
 }
 
-/// A table does not tell a joint that turns without end from one without limits.
+/// A table does not distinguish a continuous joint from one without limits.
 fn kind(a: &Mechanism, b: &Mechanism, one: &MovingJoint, two: &MovingJoint) -> Option<JointChange> {
     let endless =
         |joint: &MovingJoint| joint.kind == "continuous" || (joint.kind == "revolute" && joint.limits.range.is_none());
@@ -322,8 +322,8 @@ fn limits(
     found
 }
 
-/// Whether the joint follows the same joint in the same way: in a's terms, as `runs` says how b's joints run against
-/// those of a (empty: as they are).
+/// Whether the joint mimics the same joint in the same way, in a's joint values; `runs` relates b's joints to those
+/// of a (empty: identity).
 ///
 /// With q_b = s q_a + z for driver (d) and follower (f), what b states as q_f = m q_d + o is, in a's values,
 /// q_f = s_f m s_d q_d + s_f (m z_d + o - z_f).
@@ -350,7 +350,7 @@ fn mimic(
             (x - y).abs() > tolerance.max(1e-9 * x.abs().max(1.0))
         };
         let same = at.joint_b[driver] == Some(driver_b);
-        // A driver that cannot move tells nothing of the factor.
+        // A driver that cannot move does not determine the factor.
         let upper = if interval.upper - interval.lower > 1e-6 { interval.upper } else { interval.lower + 1.0 };
         Some(same && !apart(interval.lower) && !apart(upper))
     };

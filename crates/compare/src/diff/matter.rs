@@ -1,4 +1,4 @@
-//! What the bodies carry: masses, shapes, frames, and the tips whose displacement is asked for.
+//! What the bodies carry: masses, shapes, frames, and the tips whose displacement is computed.
 
 use crate::comparison::{PartDifference, PartKind};
 use crate::diff::alignment::Alignment;
@@ -26,7 +26,7 @@ pub(crate) struct Matter {
 }
 
 impl Matter {
-    /// What names changed, a sentence for each kind of change.
+    /// Changed names, a sentence for each kind of change.
     pub fn name_notes(&self, joints: &[(String, String)]) -> Vec<String> {
         let pairs = |pairs: &[(String, String)]| {
             let pairs: Vec<String> = pairs.iter().map(|(one, other)| format!("\"{one}\" is \"{other}\"")).collect();
@@ -39,8 +39,8 @@ impl Matter {
         let notes = [
             ("joints renamed", pairs(joints)),
             ("links renamed", pairs(&self.renamed)),
-            ("links gone", list(&self.gone)),
-            ("links new", list(&self.new)),
+            ("links removed", list(&self.gone)),
+            ("links added", list(&self.new)),
         ];
         notes.into_iter().filter(|(_, list)| !list.is_empty()).map(|(what, list)| format!("{what}: {list}")).collect()
     }
@@ -53,7 +53,7 @@ pub(crate) struct TipPair {
     pub points: (Point3<f64>, Point3<f64>),
 }
 
-/// The bodies of a and of b that stand for each other: more than one where a joint was added or removed.
+/// Corresponding bodies of a and b: more than one if a joint was added or removed.
 struct Group {
     in_a: Vec<usize>,
     in_b: Vec<usize>,
@@ -71,7 +71,7 @@ pub(crate) fn compare(a: &Mechanism, b: &Mechanism, at: &Alignment, options: &Op
         frames(&mut found, &mut replaced, (a, b, at), &links, &group, &off, options);
     }
     if !replaced.is_empty() {
-        found.notes.push(format!("same motion: link frames re-placed: {}", replaced.join(", ")));
+        found.notes.push(format!("same motion: link frames moved: {}", replaced.join(", ")));
     }
     found
 }
@@ -82,7 +82,7 @@ fn links_of(mechanism: &Mechanism) -> HashSet<&str> {
 
 fn groups(a: &Mechanism, b: &Mechanism, at: &Alignment) -> Vec<Group> {
     let mut in_b: Vec<Vec<usize>> = vec![Vec::new(); b.bodies.len()];
-    // A body's owner: the nearest body before it, itself counted, that stands for one of a; parents come first.
+    // A body's owner: the nearest body before it, including itself, that corresponds to one of a; parents come first.
     let mut owners = vec![0; b.bodies.len()];
     for body in 0..b.bodies.len() {
         let new = body > 0 && at.joint_a[body - 1].is_none();
@@ -152,7 +152,7 @@ fn share_changes(found: &mut Matter, one: &Share, other: &Share, size: f64, opti
     }
 }
 
-/// A number without the dust of adding up.
+/// A number without the rounding error of a sum.
 fn shortest(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -168,7 +168,7 @@ fn part(link: &str, kind: PartKind, what: String) -> PartDifference {
     }
 }
 
-/// Compares shapes; returns the links of which a shape is not where it was.
+/// Compares shapes; returns the links with displaced shapes.
 fn shapes(
     found: &mut Matter,
     a: &Mechanism,
@@ -315,7 +315,7 @@ fn frames(
             found.parts.push(part(&frame.link, PartKind::Frame, "it is attached to another moving body".into()));
         } else if !(a.bare || b.bare) {
             found.gone.push(frame.link.clone());
-            // A frame that nothing is attached to was put there for whoever uses it.
+            // An unused leaf frame exists for users of the robot.
             if frame.leaf && !frame.matter {
                 found.parts.push(part(&frame.link, PartKind::Frame, format!("frame is gone{}", carried_by(frame))));
             }
@@ -336,10 +336,10 @@ fn carried_by(frame: &Frame) -> String {
     frame.carrier.as_ref().map_or_else(String::new, |joint| format!(" (joint \"{joint}\")"))
 }
 
-/// Compares two frames that stand for each other.
+/// Compares two corresponding frames.
 ///
-/// An empty leaf is nothing but its frame, so its place counts. A link that has shapes or mass, or that carries
-/// joints, may have its frame anywhere as long as these stay.
+/// An empty leaf is only a frame, so its pose counts. The frame of a link with shapes, mass or joints may be anywhere
+/// as long as these stay in place.
 fn pair(
     found: &mut Matter,
     replaced: &mut Vec<String>,

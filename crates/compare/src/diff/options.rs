@@ -1,4 +1,4 @@
-//! What counts, over which range, and how hard to look.
+//! What is compared, over which range, and with how many samples.
 
 use denavit_model::formats::Format;
 use denavit_model::tree::Reading;
@@ -14,11 +14,11 @@ pub struct Options {
     pub tolerance_mass: f64,
     /// What is compared.
     pub scope: Scope,
-    /// Where and how the robot stands on its root link does not matter.
+    /// The pose of the robot on its root link does not count.
     pub up_to_base: bool,
-    /// Joint zero offsets and senses do not matter.
+    /// Joint zero offsets and senses do not count.
     pub up_to_zeros: bool,
-    /// Added, removed and renamed links, joints and frames matter, too.
+    /// Added, removed and renamed links, joints and frames count, too.
     pub count_names: bool,
     /// Ranges to sample instead of the joint limits.
     pub q_range: Vec<Range>,
@@ -28,7 +28,7 @@ pub struct Options {
     pub seed: u64,
     /// How decimal literals of angles and axes are read.
     pub reading: Reading,
-    /// A format on the way from one to the other: what it cannot say does not count.
+    /// An intermediate format between the two: what it cannot express does not count.
     pub through: Option<Format>,
 }
 
@@ -38,7 +38,7 @@ pub enum Scope {
     /// Motion, limits, inertials, shapes.
     #[default]
     Everything,
-    /// Only what moves how and how far: no inertials, shapes, speeds and efforts.
+    /// Only motion and its limits: no inertials, shapes, speeds and efforts.
     Kinematics,
 }
 
@@ -54,7 +54,7 @@ pub struct Range {
 }
 
 impl Default for Options {
-    /// 0.1 µm and 1 µrad: far below what is built, far above what rounding to twelve digits leaves.
+    /// 0.1 µm and 1 µrad: far below manufacturing tolerances, far above rounding to twelve digits.
     fn default() -> Self {
         Self {
             tolerance_m: 1e-7,

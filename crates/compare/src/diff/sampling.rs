@@ -1,4 +1,4 @@
-//! The largest displacement that is found: a low-discrepancy sequence, then ascent from the best of it.
+//! Search for the largest displacement: a low-discrepancy sequence, then ascent from its best points.
 
 use crate::diff::steps::TipPath;
 use crate::mechanism::Interval;
@@ -54,13 +54,13 @@ const STARTS: usize = 3;
 const BATCH: usize = 1024;
 /// Displacements this close, relative, are the same.
 const ALIKE: f64 = 1e-9;
-/// Joint motions that are worth computing for one tip: more than any arm needs, a second or two for a chain of
-/// thousands of joints, of which then fewer configurations are looked at.
+/// Maximum number of joint motions for one tip: more than any arm needs, one or two seconds for a chain of thousands
+/// of joints, for which fewer configurations are sampled.
 const MOTIONS: usize = 40_000_000;
 /// Rounds over all coordinates; each ends early when nothing is gained.
 const ROUNDS: usize = 12;
 
-/// The largest displacement over the intervals; `zero` (every coordinate at 0 or at the nearest limit) is looked at first.
+/// The largest displacement over the intervals; `zero` (every coordinate at 0 or at the nearest limit) is sampled first.
 pub(crate) fn largest(way: &TipPath, intervals: &[Interval], samples: usize, seed: u64) -> Largest {
     let zero: Vec<f64> = intervals.iter().map(|i| 0.0f64.clamp(i.lower, i.upper)).collect();
     let used = way.coordinates();
@@ -78,7 +78,7 @@ pub(crate) fn largest(way: &TipPath, intervals: &[Interval], samples: usize, see
     let mut best: Vec<Largest> = std::iter::once(at_zero.clone()).chain(starts).collect();
     best.sort_by(|one, other| other.displacement.total_cmp(&one.displacement));
     best.truncate(STARTS);
-    // Each coordinate of each start has its share of what is left; where that is too little, the samples stand alone.
+    // Each coordinate of each start gets its share of the remaining budget; if that is too small, only the samples count.
     let tries = configurations / (2 * STARTS) / PER_COORDINATE;
     let climbed = best.into_iter().map(|start| ascend(way, intervals, &used, start, tries));
     let larger = |one: Largest, other: Largest| if other.displacement > one.displacement { other } else { one };
@@ -171,7 +171,7 @@ fn ascend(way: &TipPath, intervals: &[Interval], used: &[usize], mut at: Largest
 /// Configurations that [`improve`] looks at.
 const PER_COORDINATE: usize = 57;
 
-/// The best of a grid on the interval, then golden section beside it.
+/// The best of a grid on the interval, then golden section around it.
 fn improve(way: &TipPath, interval: &Interval, coordinate: usize, at: &mut Largest) {
     const GRID: usize = 8;
     const SECTIONS: usize = 24;

@@ -1,4 +1,4 @@
-//! A tip's way from the root in both robots, joint by joint, in a's gauge.
+//! A tip's path from the root in both robots, joint by joint, in a's gauge.
 //!
 //! ```text
 //! a   t_a = A1(q) ··· An(q) t                 Ai = exp([Si] vi)
@@ -22,15 +22,15 @@ pub(crate) struct Motor {
     pub drive: Drive,
 }
 
-/// One joint of the way; `None` where one of the two has no such joint, or holds it at 0.
+/// One joint of the path; `None` if one of the two lacks the joint or holds it at 0.
 #[derive(Debug, Clone)]
 pub(crate) struct Step {
     pub a: Option<Motor>,
-    /// Its axis as a's link would carry it: Ad(D(i-1)⁻¹) S'.
+    /// b's axis as carried by a's link: Ad(D(i-1)⁻¹) S'.
     pub b: Option<Motor>,
     /// D(i-1)⁻¹ Di.
     pub carried: Pose,
-    /// b's axis as the link behind it would see it: Ad(Di⁻¹) S'.
+    /// b's axis relative to its child link: Ad(Di⁻¹) S'.
     pub behind: Vector6<f64>,
     /// Nothing changed at this joint, to rounding.
     pub still: bool,
@@ -46,7 +46,7 @@ pub(crate) struct TipPath {
     pub tip_b: Point3<f64>,
 }
 
-/// The coordinates of both robots, and where they may be.
+/// The coordinates of both robots, and their ranges.
 pub(crate) struct Space {
     pub intervals: Vec<Interval>,
     /// For each coordinate of b: index, factor and offset: q_b = sense · q\[index\] + shift.
@@ -54,7 +54,7 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// Paired joints share a coordinate, which runs where both can be.
+    /// Paired joints share a coordinate, whose range is the intersection of both.
     pub fn new(a: &Mechanism, b: &Mechanism, at: &Alignment, runs: &[Reparametrised], options: &Options) -> Self {
         let mut intervals = a.coordinates.clone();
         let mut of_b = Vec::new();
@@ -89,7 +89,7 @@ impl Space {
     }
 }
 
-/// The part of both intervals, where there is one.
+/// The intersection of both intervals, if any.
 fn narrow(interval: &mut Interval, other: &Interval, run: Reparametrised) {
     let (x, y) = ((other.lower - run.shift) * run.sense, (other.upper - run.shift) * run.sense);
     let (lower, upper) = if other.limited {
@@ -164,9 +164,9 @@ impl TipPath {
         (one - other).norm()
     }
 
-    /// Both tips' ways for many configurations at once: a's, then b's, over the coordinates `used` in that order.
+    /// Both tips' paths for many configurations at once: a's, then b's, over the coordinates `used` in that order.
     ///
-    /// `None` where a drive is no chain's: a mimic joint that multiplies by 0.
+    /// `None` if a chain cannot express a drive: a mimic joint with multiplier 0.
     pub fn compiled(&self, used: &[usize]) -> Option<[CompiledChain; 2]> {
         let coordinates: Vec<Coordinate> =
             (0..used.len()).map(|k| Coordinate::unlimited(k.to_string(), Quantity::Angle)).collect();

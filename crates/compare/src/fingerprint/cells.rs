@@ -1,18 +1,18 @@
-//! Numbers to cells, and the numbers that lie too near a border to be sure.
+//! Assigns numbers to cells, and finds numbers too close to a border.
 
 /// The tolerance unless the user gives one: m, rad, and relative for masses.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-/// Where borders lie between the multiples of the grid: away from every decimal and every simple part of π.
+/// Position of the borders between the multiples of the grid: away from every decimal and every simple fraction of π.
 const OFFSET: f64 = 0.618_033_988_749_894_9;
 
 /// Nearer to a border than this share of a cell, a number may fall on either side; far above rounding, far below one.
 const UNSURE: f64 = 1e-4;
 
-/// Both sides are looked at for this many numbers; of more, the first.
+/// Both sides are tried for at most this many numbers, the first ones.
 const MOST_UNSURE: usize = 8;
 
-/// Puts numbers into cells; `choice` says on which side unsure ones fall.
+/// Puts numbers into cells; `choice` selects the side of unsure ones.
 pub(super) struct Cells {
     grid: f64,
     relative: f64,
@@ -26,7 +26,7 @@ impl Cells {
         Self { grid: tolerance / 3f64.sqrt(), relative: tolerance, choice, unsure: 0 }
     }
 
-    /// How many numbers were unsure, as far as both of their sides are looked at.
+    /// How many numbers were unsure, among those with both sides tried.
     pub fn unsure(&self) -> usize {
         self.unsure.min(MOST_UNSURE)
     }

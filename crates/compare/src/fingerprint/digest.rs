@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 
 type Hash = [u8; 32];
 
-/// The hash, then what it is for each choice of sides for the numbers beside a border.
+/// The hash, then its values for each choice of sides for the numbers near a border.
 pub(super) fn hashes(tolerance: f64, digest: impl Fn(&mut Cells) -> Hash) -> Vec<String> {
     let short = |hash: Hash| {
         let [.., a, b, c, d, e, f] = hash;
@@ -54,7 +54,7 @@ impl Words {
         self.cells(matrix.iter().map(|x| cells.of(*x * 3f64.sqrt())));
     }
 
-    /// Hashes whose order means nothing.
+    /// Hashes whose order does not matter.
     fn unordered(&mut self, mut hashes: Vec<Hash>) {
         hashes.sort_unstable();
         self.0.update((hashes.len() as u64).to_le_bytes());
@@ -81,7 +81,7 @@ pub(super) fn motion(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     })
 }
 
-/// Masses, shapes, speeds, efforts, damping, friction, soft limits, and what stands beside links and joints.
+/// Masses, shapes, speeds, efforts, damping, friction, soft limits, and elements other than links and joints.
 pub(super) fn matter(mechanism: &Mechanism, cells: &mut Cells) -> Hash {
     let mut elements: Vec<Vec<&PlacedElement>> = vec![Vec::new(); mechanism.bodies.len()];
     for element in &mechanism.elements {
@@ -135,7 +135,7 @@ fn names(mechanism: &Mechanism) -> HashSet<&str> {
     links.chain(joints).chain(fixed).collect()
 }
 
-/// An element's kind and values: numbers as numbers, names of links and joints as no more than that.
+/// An element's kind and values: numbers as numbers, names of links and joints only as placeholders.
 fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) -> Hash {
     // Every second piece of a path is in quotes: a name.
     let nameless = |path: &str| path.split('"').step_by(2).collect::<String>();
@@ -153,7 +153,7 @@ fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) ->
         }
         words.hash()
     };
-    // The order in which an element says things means nothing.
+    // The order of an element's values has no meaning.
     let entries = element.entries.iter().map(&mut of_entry).collect();
     let parts = element.parts.iter().map(|part| {
         let mut words = Words::of(&nameless(&part.path));
@@ -178,7 +178,7 @@ fn element(cells: &mut Cells, names: &HashSet<&str>, element: &PlacedElement) ->
 
 type Contents<'a> = dyn Fn(&mut Words, &mut Cells, usize) + 'a;
 
-/// A body, then the bodies behind it: what each has is hashed from the root on, then each hash goes into the one before.
+/// A body, then its descendants: each body is hashed from the root on, then each hash goes into that of its parent.
 fn tree(mechanism: &Mechanism, cells: &mut Cells, contents: &Contents) -> Hash {
     let mut open: Vec<Words> = Vec::with_capacity(mechanism.bodies.len());
     for body in 0..mechanism.bodies.len() {

@@ -1,4 +1,4 @@
-//! What a repository has already: findings that are known, so that only new ones count.
+//! Known findings of a repository, so that only new ones count.
 
 use crate::lint::Finding;
 use serde::{Deserialize, Serialize};
@@ -10,8 +10,8 @@ const SCHEMA: &str = "denavit.baseline/1";
 
 /// Known findings: how many of each rule each element of each file has.
 ///
-/// Lines are no part of it, so that moving an element makes nothing new; nor are messages, so that a value that changes
-/// under a known finding, or another version's words, make nothing new either.
+/// It holds no lines, so moving an element creates no new finding. It holds no messages either, so a changed value
+/// under a known finding, or the wording of another version, creates no new finding.
 ///
 /// # Examples
 /// ```
@@ -37,12 +37,12 @@ struct Written {
     files: BTreeMap<String, BTreeMap<String, BTreeMap<String, usize>>>,
 }
 
-/// Why a file is no baseline.
+/// Why a file is not a baseline.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BaselineError {
     /// Not the JSON that is expected.
-    #[error("{file}:{line}: this is no baseline: {message}; write one with ‹write-baseline›")]
+    #[error("{file}:{line}: this is not a baseline: {message}; write one with ‹write-baseline›")]
     Json {
         /// The file.
         file: String,
@@ -52,7 +52,7 @@ pub enum BaselineError {
         message: String,
     },
     /// Another version's.
-    #[error("{file}: schema \"{found}\" is not \"{SCHEMA}\"; write the baseline anew with ‹write-baseline›")]
+    #[error("{file}: schema \"{found}\" is not \"{SCHEMA}\"; write a new baseline with ‹write-baseline›")]
     Schema {
         /// The file.
         file: String,
@@ -65,7 +65,7 @@ impl Baseline {
     /// From the text of a file.
     ///
     /// # Errors
-    /// It is no baseline.
+    /// It is not a baseline.
     pub fn read(file: &str, text: &str) -> Result<Self, BaselineError> {
         let text = text.trim_start_matches('\u{feff}');
         let written: Written = serde_json::from_str(text).map_err(|error| {
@@ -94,8 +94,8 @@ impl Baseline {
         }
     }
 
-    /// The findings of a file that are not known, and how many are. Of more findings of a rule in an element than are known,
-    /// the last are new.
+    /// The findings of a file that are not known, and how many are. If a rule has more findings in an element than are
+    /// known, the last are new.
     pub fn new_among(&self, path: &str, findings: Vec<Finding>) -> (Vec<Finding>, usize) {
         let mut left = self.files.get(path).cloned().unwrap_or_default();
         let count = findings.len();

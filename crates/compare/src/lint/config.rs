@@ -9,7 +9,7 @@ use thiserror::Error;
 /// Rules that are left out, and rules that make a check fail.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Config {
-    /// Codes of rules that are not looked at.
+    /// Codes of rules that are not checked.
     allow: BTreeSet<&'static str>,
     /// Codes of rules whose findings are errors.
     deny: BTreeSet<&'static str>,
@@ -40,7 +40,7 @@ pub enum ConfigError {
 }
 
 impl Config {
-    /// Leaves rules out, by code or name; `all` leaves out all that are not denied.
+    /// Disables rules, by code or name; `all` disables all that are not denied.
     ///
     /// # Errors
     /// No rule has that code or name.
@@ -61,7 +61,7 @@ impl Config {
         Ok(())
     }
 
-    /// Makes the findings of rules errors, by code or name; `all` stands for every rule.
+    /// Makes the findings of rules errors, by code or name; `all` means every rule.
     ///
     /// # Errors
     /// No rule has that code or name.

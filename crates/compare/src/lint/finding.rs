@@ -18,7 +18,7 @@ pub struct Finding {
     pub place: Place,
     /// What is wrong, with the value; the fix.
     pub message: String,
-    /// Edits of the original text that fix it without doubt; empty where there is doubt.
+    /// Edits of the original text that certainly fix it; otherwise empty.
     pub fix: Vec<Edit>,
 }
 
@@ -29,18 +29,18 @@ impl fmt::Display for Finding {
     }
 }
 
-/// A piece of the original text and what belongs there.
+/// A part of the original text and its replacement.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Edit {
     /// Byte offset of its start.
     pub start: usize,
-    /// Byte offset behind its end.
+    /// Byte offset after its end.
     pub end: usize,
-    /// What belongs there.
+    /// The replacement.
     pub text: String,
 }
 
-/// What a rule's own code says.
+/// A finding as a rule's code creates it.
 pub(super) struct Found {
     place: Where,
     message: String,
@@ -73,14 +73,14 @@ impl Found {
             Where::Offset(at, element) => sheet.place(at, element),
             Where::Place(place) => place,
         };
-        // Of another format the text that was read is no text of the user's.
+        // For another format, the text that was read is not the user's text.
         let own = sheet.format() == Format::Urdf;
         let fix = self.fix.into_iter().filter(|_| own).map(|edit| sheet.in_original(edit)).collect();
         Finding { rule: rule.code, level, place, message: self.message, fix }
     }
 }
 
-/// The text with every certain fix made, and how many were made; of edits that overlap, the first.
+/// The text with every certain fix applied, and their number; of overlapping edits, the first is applied.
 ///
 /// `text` is the text that was checked.
 pub fn fix(text: &str, findings: &[Finding]) -> (String, usize) {

@@ -101,7 +101,7 @@ pub const RULES: &[Rule] = &[
     default_inertia::RULE,
 ];
 
-/// What kept the file from being read, of the kinds asked for.
+/// The reading errors of the given kinds.
 fn problems(sheet: &Sheet, wanted: impl Fn(&ProblemKind) -> bool) -> Vec<Found> {
     let found = sheet.problems().iter().filter(|problem| wanted(&problem.kind));
     found.map(|problem| Found::placed(problem.place.clone(), problem.kind.to_string())).collect()

@@ -1,4 +1,4 @@
-//! A file laid out for the rules: the robot, its XML, and the way back to the original text.
+//! A file prepared for the rules: the robot, its XML, and the mapping to the original text.
 
 use crate::lint::{Edit, Lookup};
 use denavit_model::formats::Format;
@@ -73,7 +73,7 @@ impl<'a> Sheet<'a> {
         self.document.as_ref()?.get_node(*starts.get(&offset)?)
     }
 
-    /// The first element below the one at `offset` along a path of tags, or the farthest that there is.
+    /// The first element below the one at `offset` along a path of tags, as far as the path exists.
     pub(super) fn below(&self, offset: usize, path: &[&str]) -> usize {
         let Some(mut node) = self.element_at(offset) else { return offset };
         for tag in path {

@@ -1,4 +1,4 @@
-//! SRDF, MoveIt's file beside a URDF: what it names must be in the robot, and what is not understood is said.
+//! SRDF, MoveIt's companion of a URDF: the names in it must exist in the robot; what is not understood is reported.
 //!
 //! # Source
 //! <https://wiki.ros.org/srdf> and the elements that srdfdom 2.0 reads.
@@ -11,7 +11,7 @@ use denavit_model::{Inventory, Robot};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashSet;
 
-/// An element of SRDF: where it may stand, its attributes, and which of them are names of what.
+/// An element of SRDF: its parent, its attributes, and which of them are names of what.
 struct Known {
     tag: &'static str,
     parent: &'static str,
@@ -76,7 +76,7 @@ static KNOWN: &[Known] = &[
     },
 ];
 
-/// The elements that may stand in another one of an SRDF, by its tag.
+/// The allowed children of an SRDF element, by its tag.
 pub fn children_of(parent: &str) -> Vec<&'static str> {
     KNOWN.iter().filter(|known| known.parent == parent).map(|known| known.tag).collect()
 }
@@ -115,7 +115,7 @@ pub fn robot_of(text: &str) -> Option<String> {
     Some(parsed(text).ok()?.root_element().attribute("name")?.to_owned())
 }
 
-/// What the rules find in an SRDF that belongs to `robot`, in the order of the lines, and what became of everything in it.
+/// The findings in an SRDF that belongs to `robot`, in the order of the lines, and its inventory.
 ///
 /// # Examples
 /// ```
@@ -162,7 +162,7 @@ impl Findings<'_> {
     }
 
     fn not_understood(&mut self, at: usize, element: String, what: &str) {
-        let message = format!("{what} is not understood, and was not checked; remove it, or correct its name");
+        let message = format!("{what} is not understood and was not checked; remove it, or correct its name");
         self.add(&not_understood::RULE, at, element.clone(), message);
         self.inventory.report(self.source.place(at, element), what);
     }
@@ -170,14 +170,15 @@ impl Findings<'_> {
     fn document(&mut self, document: &Document, robot: &Robot) {
         let root = document.root_element();
         if root.tag_name().name() != "robot" {
-            let message = format!("the root element is <{}>, not <robot>: this is no SRDF", root.tag_name().name());
+            let message = format!("the root element is <{}>, not <robot>: this is not an SRDF", root.tag_name().name());
             self.add(&unreadable::RULE, root.range().start, "file", message);
             return;
         }
         let name = root.attribute("name").unwrap_or_default();
         if name != robot.name {
             let what = format!(
-                "it is for the robot \"{name}\", and the robot's name is \"{}\": planners refuse the pair; write the robot's name",
+                "it is for robot \"{name}\", but the robot's name is \"{}\": planners refuse such a pair; write the \
+                 robot's name",
                 robot.name
             );
             self.add(&dangling_reference::RULE, root.range().start, "robot", what);
@@ -232,7 +233,7 @@ impl Findings<'_> {
     }
 }
 
-/// The element beside the root that something is in, in words.
+/// The top-level element that contains something, in words.
 fn owner(node: Node) -> String {
     let top = node
         .ancestors()

@@ -1,5 +1,5 @@
-//! What a source says beyond links and joints, each with the body that it is about, and what it places taken out of the
-//! frames of links.
+//! Elements of a source other than links and joints, each with the body that it refers to, and their poses expressed
+//! independent of link frames.
 
 use super::{Mechanism, PartPlace, PlacedElement, PlacedPart};
 use denavit_model::nalgebra::{Point3, UnitVector3};
@@ -8,11 +8,11 @@ use denavit_model::se3::Pose;
 use denavit_model::{Element, Item, PlacedRobot, Robot};
 use std::collections::{BTreeMap, HashMap};
 
-/// What moves together, and where it is: bodies and frames by the names of links and joints.
+/// Bodies and frames by the names of links and joints.
 struct Places<'a> {
     /// A joint's frame is that of its child link; where a link has the same name, that link's is meant.
     frames: HashMap<&'a str, (usize, Pose)>,
-    /// The bodies of names; where a joint and a link have one name, what is told of it is told of the joint.
+    /// The bodies of names; if a joint and a link have the same name, the name refers to the joint.
     bodies: HashMap<&'a str, usize>,
 }
 
@@ -50,7 +50,7 @@ impl<'a> Places<'a> {
 }
 
 impl Mechanism {
-    /// Everything that the source says beyond links and joints; also, as texts, what its reader does not understand.
+    /// All other elements of the source; also, as texts, what its reader does not understand.
     pub(super) fn add_elements(&mut self, placed: &PlacedRobot, body_of: &[usize]) {
         let robot = placed.robot();
         let plain = robot.elements.is_empty() && robot.joints.iter().all(|joint| joint.elements.is_empty());
@@ -84,7 +84,7 @@ impl Mechanism {
             self.add_element(&places, None, element, body);
         }
         self.elements.extend(not_understood(robot, &places));
-        // Of elements that nothing else tells apart, the order in the file means nothing.
+        // The order of otherwise identical elements in the file has no meaning.
         self.elements.sort_by(|one, other| (&one.label, &one.entries).cmp(&(&other.label, &other.entries)));
         let mut seen: HashMap<String, usize> = HashMap::new();
         for element in &mut self.elements {
@@ -122,7 +122,7 @@ impl Mechanism {
     }
 }
 
-/// The path to where a place stands, the same whether it is written or left out.
+/// The path to a pose, the same whether it is written or omitted.
 fn path_of(posed: &Posed, paths: &[String]) -> String {
     let own = paths.get(posed.node).map_or("", String::as_str);
     let below = |parent: &str, child: &str| if parent.is_empty() { child.into() } else { format!("{parent}/{child}") };
@@ -155,8 +155,8 @@ fn not_understood(robot: &Robot, places: &Places) -> Vec<PlacedElement> {
     found.into_values().collect()
 }
 
-/// Where in its element something stands, what it says, and the element's tag. What is in an element that is not
-/// understood is kept with that.
+/// The path of something in its element, its value, and the element's tag. The content of an element that is not
+/// understood is kept with that element.
 fn text_of(item: &Item) -> Option<(String, String, &str)> {
     match item.what.split_once(' ')? {
         ("attribute", rest) => {

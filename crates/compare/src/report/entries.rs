@@ -87,7 +87,7 @@ fn of_member(member: &Member) -> Vec<Entry> {
         }
         State::Unreadable { why, counts: true } => vec![entry(Level::Error, "robot", format!("cannot be read: {why}"))],
         State::Unreadable { why, counts: false } => {
-            vec![entry(Level::Note, "robot", format!("cannot be read, nor could it before: {why}"))]
+            vec![entry(Level::Note, "robot", format!("cannot be read, as before: {why}"))]
         }
         State::New => vec![entry(Level::Note, "note", "new".into())],
         State::Removed => vec![entry(Level::Note, "note", "removed".into())],
@@ -130,7 +130,7 @@ fn of_comparison(comparison: &Comparison) -> Vec<Entry> {
     let relevant = |m: f64| m > comparison.tolerance_m;
     for tip in comparison.tips.iter().filter(|tip| relevant(tip.sampled_m)) {
         let message = format!(
-            "displaced by up to {} {}; nowhere by more than {}",
+            "displaced by up to {} {}; never more than {}",
             words::length(tip.sampled_m),
             posture(&tip.at),
             words::length(tip.bound_m)

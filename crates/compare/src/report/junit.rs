@@ -95,7 +95,7 @@ fn of_member(member: &Member, before: &str) -> Case {
     let skipped = match &member.state {
         State::New => Some("new".into()),
         State::Removed => Some("removed".into()),
-        State::Unreadable { why, counts: false } => Some(format!("cannot be read, nor could it before: {why}")),
+        State::Unreadable { why, counts: false } => Some(format!("cannot be read, as before: {why}")),
         _ => None,
     };
     Case {

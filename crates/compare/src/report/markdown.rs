@@ -35,7 +35,7 @@ fn of_comparison(comparison: &Comparison, report: &Report) -> String {
     }
     let moved: Vec<_> = comparison.tips.iter().filter(|tip| tip.sampled_m > comparison.tolerance_m).collect();
     if !moved.is_empty() {
-        out.push_str("\n| tip | displaced by up to | nowhere by more than |\n|---|---:|---:|\n");
+        out.push_str("\n| tip | displaced by up to | never more than |\n|---|---:|---:|\n");
         for tip in moved {
             let (sampled, bound) = (words::length(tip.sampled_m), words::length(tip.bound_m));
             let _ = writeln!(out, "| {} | {sampled} | {bound} |", cell(&tip.tip));
@@ -68,7 +68,7 @@ fn of_robots(robots: &Robots) -> String {
     listed.sort_by_key(|member| rank(&member.state));
     if !listed.is_empty() {
         out.push_str(
-            "\n| robot | | tip displaced by up to | nowhere by more than | what changed |\n|---|---|---:|---:|---|\n",
+            "\n| robot | | tip displaced by up to | never more than | what changed |\n|---|---|---:|---:|---|\n",
         );
     }
     for member in listed.iter().take(MOST_ROWS) {
@@ -98,11 +98,11 @@ fn of_robots(robots: &Robots) -> String {
         }
     }
     if left_out > 0 {
-        let _ = writeln!(out, "\nDetails of {left_out} more robots do not fit here.");
+        let _ = writeln!(out, "\nDetails of {left_out} more robots are omitted here.");
     }
     let same = same.iter().filter(|member| !matches!(member.state, State::Untouched)).map(|member| &member.name);
-    folded(&mut out, "changed, and still the same robots", same);
-    let parts = "xacro files are no robots by themselves, or need arguments (name them in denavit.toml)";
+    folded(&mut out, "changed files, same robots", same);
+    let parts = "xacro files are not robots by themselves, or need arguments (state them in denavit.toml)";
     folded(&mut out, parts, robots.left_out.iter());
     let _ = writeln!(out, "\nCompared: `{}` → {}.", robots.before, robots.after);
     out
@@ -119,7 +119,7 @@ fn rank(state: &State) -> u8 {
     }
 }
 
-/// A list that is shown when it is asked for.
+/// A collapsed list.
 fn folded<'a>(out: &mut String, words: &str, names: impl Iterator<Item = &'a String>) {
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     if !names.is_empty() {
@@ -165,7 +165,7 @@ fn row(member: &Member) -> (&'static str, Option<[String; 2]>, String) {
         State::New => "new",
         State::Removed => "removed",
         State::Unreadable { counts: true, .. } => "**cannot be read**",
-        State::Unreadable { .. } => "cannot be read, nor could it before",
+        State::Unreadable { .. } => "cannot be read, as before",
         State::Compared { .. } | State::Untouched => "",
     };
     (verdict, None, what)

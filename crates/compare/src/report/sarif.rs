@@ -15,7 +15,7 @@ pub(super) fn render(report: &Report) -> String {
     let rules: Vec<Value> = match report {
         Report::Comparison(_) | Report::Robots(_) => vec![json!({
             "id": "diff",
-            "shortDescription": { "text": "The robot is not the one that it was" }
+            "shortDescription": { "text": "The robot has changed" }
         })],
         Report::Findings { .. } => RULES
             .iter()

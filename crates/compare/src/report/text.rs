@@ -49,7 +49,7 @@ pub(super) fn render(report: &Report, colour: Colour) -> String {
     out
 }
 
-/// Each robot that is not as it was, in whole; then the counts.
+/// Each changed robot in full; then the counts.
 fn of_robots(out: &mut String, robots: &Robots, paint: &dyn Fn(&str, &str) -> String) {
     for member in &robots.members {
         let who = member.title();
@@ -73,13 +73,13 @@ fn of_robots(out: &mut String, robots: &Robots, paint: &dyn Fn(&str, &str) -> St
                 let _ = writeln!(out, "{who}: removed");
             }
             State::Unreadable { why, counts } => {
-                let words = if *counts { "cannot be read" } else { "cannot be read, nor could it before" };
+                let words = if *counts { "cannot be read" } else { "cannot be read, as before" };
                 let _ = writeln!(out, "{who}: {}: {why}", paint(if *counts { RED } else { FAINT }, words));
             }
         }
     }
     for left_out in &robots.left_out {
-        let _ = writeln!(out, "{}", paint(FAINT, &format!("{left_out}: left out, as it is no robot by itself")));
+        let _ = writeln!(out, "{}", paint(FAINT, &format!("{left_out}: left out, as it is not a robot by itself")));
     }
     let _ = writeln!(out, "{} → {}: {}", robots.before, robots.after, robots.counts());
 }

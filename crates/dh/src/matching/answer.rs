@@ -41,12 +41,12 @@ impl Verdict {
     }
 }
 
-/// Whether a joint of the robot and of the table count the same way.
+/// Whether a joint of the robot and of the table have the same positive direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
     /// They do.
     Same,
-    /// They count in opposite directions.
+    /// They have opposite positive directions.
     Reversed,
 }
 
@@ -60,19 +60,19 @@ impl Sense {
     }
 }
 
-/// What a joint needs: its value in the table is sense · |scale| · q + zero.
+/// Sense and zero of a joint: its value in the table is sense · |scale| · q + zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMatch {
     /// The robot's name for it.
     pub name: String,
-    /// Which way it counts.
+    /// Its sense.
     pub sense: Sense,
     /// The table's joint value where the robot's coordinate is 0, rad or m. Where the base frame is free the first
     /// joint's is 0 by choice, and where the tool frame is free the last one's.
     pub zero: f64,
 }
 
-/// Everything that brings a table onto the robot, and what is left.
+/// The transformation from a table to the robot, and the remaining error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
     /// From base to tip.
@@ -88,7 +88,7 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The robot's chain in the table's frames, zeros and senses: what the table's numbers are to be compared with.
+    /// The robot's chain in the table's frames, zeros and senses: to compare with the table's numbers.
     ///
     /// # Errors
     /// As [`Chain::new`]; does not happen for a chain that was one.
@@ -116,7 +116,7 @@ pub struct NumberMatch {
     pub vendor: VendorNumber,
     /// The robot's, rad or m.
     pub robot: f64,
-    /// The two differ by no more than the vendor's last place, or than what a match that is exact or rounded leaves.
+    /// The two differ by at most the vendor's last place, or by the error of an exact or rounded match.
     pub agrees: bool,
 }
 
@@ -164,7 +164,7 @@ pub struct Difference {
 pub struct Explanation {
     /// In the order of the table.
     pub differences: Vec<Difference>,
-    /// How the changed table lies on the robot.
+    /// How the changed table fits the robot.
     pub placement: Placement,
 }
 
@@ -173,7 +173,7 @@ pub struct Explanation {
 pub struct Match {
     /// By the largest tip error of `placement`.
     pub verdict: Verdict,
-    /// How the vendor's table as it stands lies best on the robot.
+    /// The best fit of the unchanged vendor's table to the robot.
     pub placement: Placement,
     /// The vendor's numbers and the robot's own, row by row.
     pub rows: Vec<RowMatch>,
@@ -202,7 +202,7 @@ pub enum MatchError {
     },
     /// One turns and the other slides.
     #[error(
-        "row {row}: joint \"{joint}\" of the robot is {robot} and the table's is {vendor}; a match needs the same kinds"
+        "row {row}: joint \"{joint}\" of the robot is {robot} and the table's is {vendor}; both must be of the same kind"
     )]
     Kind {
         /// Counted from 1.

@@ -19,13 +19,13 @@ pub(crate) struct Arm {
     pub proof: Vec<Sample>,
 }
 
-/// Configurations that a fit sees beyond four for each joint: six equations each, for at most as many unknowns.
+/// Configurations of a fit in addition to four for each joint: six equations each, for at most as many unknowns.
 const FITTED: usize = 12;
 
 /// A slide whose range is less than this many times the robot's size is moved by the robot's size.
 const STANDS: f64 = 1e-3;
 
-/// Configurations that the verdict rests on.
+/// Configurations for the verdict.
 const PROVEN: usize = 500;
 
 impl Arm {

@@ -1,4 +1,4 @@
-//! Which joint senses and zeros two lists of axes could be the same with: a search over what no frame can change.
+//! Joint senses and zeros for which two lists of axes agree: a search over quantities that do not depend on frames.
 //!
 //! Directed lines have a common normal x = z × z' without any choice of sign (along the offset where they are
 //! parallel), so for given senses the twist, the length and the offset between neighbours are numbers that both lists must
@@ -11,7 +11,7 @@ use denavit_model::se3::{self, Pose, angle_between};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis {
     pub direction: Vector3<f64>,
-    /// A point on the line; without meaning for a slide.
+    /// A point on the line; meaningless for a slide.
     pub point: Vector3<f64>,
     pub turns: bool,
 }
@@ -23,7 +23,7 @@ pub(crate) struct Guess {
     pub senses: Vec<f64>,
     /// rad, 0 for slides.
     pub zeros: Vec<f64>,
-    /// Sum of what the invariants differ by, m.
+    /// Sum of the differences of the invariants, m.
     pub cost: f64,
 }
 
@@ -31,23 +31,23 @@ pub(crate) struct Guess {
 /// below any twist that a maker would draw.
 const PARALLEL: f64 = 0.02;
 
-/// Parallel lines closer than this many times the robot's size have no common normal to go by.
+/// Parallel lines closer than this many times the robot's size have no usable common normal.
 const COINCIDES: f64 = 5e-4;
 
-/// Costs within this many times the robot's size of each other say the same.
+/// Costs within this many times the robot's size of each other count as equal.
 const SAME_COST: f64 = 2e-3;
 
 /// A number that is wrong altogether costs this many times the robot's size: one such is better than two, however wrong.
 const ONE_WRONG: f64 = 2e-2;
 
-/// A zero beyond this (rad, m) is reported; what a quarter turn written 1.57 leaves is smaller.
+/// A zero beyond this (rad, m) is reported; the error of a quarter turn written as 1.57 is smaller.
 const A_ZERO: f64 = 2e-3;
 
 /// Sense vectors that are kept while the search goes along the arm: all of them up to eight joints.
 const KEPT: usize = 256;
 
 impl Guess {
-    /// How much a reader has to be told: reversed senses and zeros, reversed senses.
+    /// How much must be reported: reversed senses and zeros, reversed senses.
     pub fn simplicity(&self) -> (usize, usize) {
         let reversed = self.senses.iter().filter(|sense| **sense < 0.0).count();
         (reversed + self.zeros.iter().filter(|zero| zero.abs() > A_ZERO).count(), reversed)
@@ -125,7 +125,7 @@ impl Invariants {
         }
     }
 
-    /// Zeros that bring the joint angles together, and the sum of what stays apart, m.
+    /// Zeros that make the joint angles agree, and the sum of the remaining differences, m.
     fn compare(&self, expected: &Self, axes: &[Axis], size: f64) -> (Vec<f64>, f64) {
         let soft = |apart: f64| apart.abs().min(ONE_WRONG * size);
         let mut cost = 0.0;

@@ -1,4 +1,4 @@
-//! Which numbers of a table are not the robot's.
+//! Which numbers of a table differ from the robot's.
 
 use super::axes::{Guess, wrapped};
 use super::fit::{Fit, Free, GOES_NOWHERE, State};
@@ -8,8 +8,8 @@ use super::{
 };
 use crate::conventions::RowLabel;
 
-/// What is left of a tip error once it counts as explained, relative to the robot's size: above what π written with
-/// five digits leaves, far below a number that was mistaken.
+/// A tip error below this, relative to the robot's size, counts as explained: above the error of π written with
+/// five digits, far below that of a wrong number.
 const EXPLAINED: f64 = 2e-5;
 
 /// A number that moves by less (m or rad, of the robot's size) is not a difference.
@@ -21,14 +21,14 @@ const OTHER_SIDE: f64 = 0.02;
 /// Zeros that differ by less than this, rad, are those that were stated, and not another reading of the same arm.
 const NEAR_STATED: f64 = 0.5;
 
-/// What rounding leaves of a number that was fitted (rad, m of the robot's size).
+/// Rounding error of a fitted number (rad, m of the robot's size).
 const LEFT: f64 = 1e-9;
 
-/// Least damping of a fit over all numbers: what two axes 1e-4 rad from parallel say of d is not followed.
+/// Smallest damping of a fit over all numbers: directions as weak as d between two axes 1e-4 rad from parallel are not followed.
 const HELD: f64 = 1e-8;
 
 impl Matching<'_> {
-    /// The state with the robot's own numbers, and where the vendor's do not serve, the fewest that must change.
+    /// The state with the robot's own numbers, and the fewest that must change where the vendor's do not fit.
     pub(super) fn explained(&self, fits: &BestFits, placement: &Placement) -> (State, Option<Explanation>) {
         if Verdict::of(placement.position_error) <= Verdict::Rounded {
             let fit = Fit { damping: HELD, ..self.fit(&fits.guess.senses) };
@@ -72,7 +72,7 @@ impl Matching<'_> {
         free.zeros.fill(false);
         let mut trial = fit.solve(fits.state.clone(), &free);
         if fit.errors(&trial, fit.samples).0 > enough {
-            // The zeros, too, may be a little other with other numbers.
+            // The zeros may also change a little with other numbers.
             trial = fit.solve(fits.state.clone(), &self.only(&support));
             let near = |(zero, stated): (&f64, &f64)| wrapped(zero - stated).abs() < NEAR_STATED;
             let turned_only = (0..stated.len()).filter(|k| self.turns(*k)).all(|k| near((&trial.zeros[k], &stated[k])));
@@ -123,7 +123,7 @@ impl Matching<'_> {
         Some((state, Explanation { differences, placement }))
     }
 
-    /// Numbers that a zero does not stand for already.
+    /// Numbers that are not already covered by a zero.
     fn is_own_number(&self, (label, number): (RowLabel, DhNumber)) -> bool {
         match label {
             RowLabel::Joint(index) if self.turns(index) => number != DhNumber::Theta,

@@ -46,7 +46,7 @@ pub(crate) struct Sample {
     pub tip: Pose,
 }
 
-/// The problem but for what is free.
+/// The problem, apart from the free parameters.
 pub(crate) struct Fit<'a> {
     pub product: &'a Product,
     pub senses: &'a [f64],
@@ -62,16 +62,16 @@ pub(crate) struct Fit<'a> {
 /// A rotation error of 1 rad weighs as this many times the robot's size.
 const ROTATION_WEIGHT: f64 = 0.25;
 
-/// Residuals below this many times the robot's size are rounding; following them would only stir what is not determined.
+/// Residuals below this many times the robot's size are rounding; following them would only change what is not determined.
 const ROUNDING: f64 = 3e-14;
 
 /// Steps of a fit at most.
 const STEPS: usize = 40;
 
-/// A sum of squares that falls by less than this share in a step is at its least.
+/// A sum of squares that falls by less than this fraction in a step is at its minimum.
 pub(crate) const AT_ITS_LEAST: f64 = 1e-5;
 
-/// A sum of squares that falls by less than this share in a step will not come to nothing, which is enough to choose by.
+/// A sum of squares that falls by less than this fraction in a step will not reach 0, which is enough to choose by.
 pub(crate) const GOES_NOWHERE: f64 = 0.02;
 
 impl Product {
@@ -156,7 +156,7 @@ impl Product {
         reached
     }
 
-    /// What stands between the joints: one more than there are.
+    /// The constant motions between the joints: one more than joints.
     fn links(&self, numbers: &[f64]) -> Vec<Pose> {
         let mut links = vec![Pose::identity()];
         for element in &self.elements {
@@ -217,7 +217,7 @@ impl Fit<'_> {
         joints.map(|((sense, value), zero)| sense * value + zero).collect()
     }
 
-    /// base_from_tip as the state has it, at every sample.
+    /// base_from_tip of the state at every sample.
     fn poses<'s>(&'s self, state: &'s State, samples: &'s [Sample]) -> impl Iterator<Item = (&'s Sample, Pose)> {
         let mut links = self.product.links(&state.numbers);
         links[0] = state.base * links[0];
@@ -253,7 +253,7 @@ impl Fit<'_> {
         self.poses(state, self.samples).map(|(sample, found)| self.residual(sample, &found).norm_squared()).sum()
     }
 
-    /// The state of least squares near `start`: Levenberg-Marquardt, columns in closed form.
+    /// The least-squares state near `start`: Levenberg-Marquardt, columns in closed form.
     pub fn solve(&self, start: State, free: &Free) -> State {
         let count = free.count();
         let enough = self.samples.len() as f64 * (ROUNDING * self.size).powi(2);

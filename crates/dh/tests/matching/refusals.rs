@@ -26,7 +26,7 @@ fn another_number_of_joints() {
 fn another_kind_of_joint() {
     assert_eq!(
         refusal(|vendor| vendor.joints[0].motion = Motion::Revolute),
-        "row 1: joint \"joint_1\" of the robot is prismatic and the table's is revolute; a match needs the same kinds"
+        "row 1: joint \"joint_1\" of the robot is prismatic and the table's is revolute; both must be of the same kind"
     );
 }
 

@@ -14,7 +14,7 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
 /// # Errors
-/// No such link, names or materials that clash, or another file that is no robot.
+/// No such link, clashing names or materials, or another file that is not a robot.
 pub(crate) fn attach(
     robot: &Robot,
     srdf: Option<&SourceText>,
@@ -45,7 +45,7 @@ pub(crate) fn attach(
     let guest_root = &guest.links[guest.root].name;
     let joint = format!("{at}_to_{guest_root}");
     if robot.joint_index(&joint).is_some() || guest.joint_index(&joint).is_some() {
-        return Err(EditError::Words(format!("attach: the joint \"{joint}\" is there already; use another prefix")));
+        return Err(EditError::Words(format!("attach: the joint \"{joint}\" already exists; use another prefix")));
     }
     let numbers = Numbers::of(pose, pose.translation.vector.amax());
     let lines = [
@@ -62,14 +62,14 @@ pub(crate) fn attach(
     let urdf = edits.apply(&robot.source)?;
     tally.say(format!("{} links and {} joints attached to {at} by \"{joint}\"", guest.links.len(), guest.joints.len()));
     if materials > 0 {
-        tally.say(format!("{materials} materials brought into line"));
+        tally.say(format!("{materials} materials adapted"));
     }
     let own = Claim { compared: Compared::No, foreign: true, ..Claim::same(robot) };
     let others = Claim { foreign: true, ..renamed_claim(&original, &names) };
     let _ = link;
     let notes = if robot.links[robot.root].name != "world" && guest_root.ends_with("world") {
         vec![format!(
-            "the root of the attached robot is \"{guest_root}\": a world on a link; `extract` its arm first if it is not wanted"
+            "the root of the attached robot is \"{guest_root}\", a world link; `extract` its arm first to omit it"
         )]
     } else {
         Vec::new()
@@ -91,7 +91,7 @@ fn clashes(robot: &Robot, other: &Robot) -> Result<(), EditError> {
     let taken: Vec<&String> = links.chain(joints).collect();
     let Some(first) = taken.first() else { return Ok(()) };
     Err(EditError::Words(format!(
-        "{}: {} name{} of it, \"{first}\" the first, {} in {} already; give a prefix",
+        "{}: {} name{}, such as \"{first}\", {} already in {}; give a prefix",
         other.source.file,
         taken.len(),
         if taken.len() == 1 { "" } else { "s" },
@@ -100,7 +100,7 @@ fn clashes(robot: &Robot, other: &Robot) -> Result<(), EditError> {
     )))
 }
 
-/// What a material is: its colour and texture, without white space.
+/// A material's colour and texture, without white space.
 fn appearance(node: Node) -> String {
     let parts = node.children().filter(Node::is_element).map(|part| {
         let mut attributes: Vec<String> = part.attributes().map(|of| format!("{}={}", of.name(), of.value())).collect();
@@ -122,7 +122,7 @@ fn defined(document: &Document) -> BTreeMap<String, String> {
     found
 }
 
-/// The other robot's text with materials that this one has under the same name: the same ones once, others under another name.
+/// The other robot's text without materials that this one already has; different materials of the same name are renamed.
 fn with_materials(document: &Document, other: &Robot, prefix: &str) -> Result<(String, usize), EditError> {
     let own = defined(document);
     let others = parse(other)?;
@@ -139,7 +139,7 @@ fn with_materials(document: &Document, other: &Robot, prefix: &str) -> Result<(S
             count += 1;
         } else if !same && prefix.is_empty() {
             let place = other.source.place(node.range().start, format!("material \"{name}\""));
-            let what = "the robot that it is attached to has another material of this name; give a prefix";
+            let what = "the robot that it is attached to has a different material with this name; give a prefix";
             return Err(EditError::Refused { place, what: what.into() });
         } else if !same {
             edits.attribute(&other.source, node, "name", &format!("{prefix}{name}"));
@@ -157,8 +157,7 @@ fn namespaces(robot: &Robot, edits: &mut Edits, root: Node, other: Node, guest: 
             if root.tag_name().namespace() == Some(namespace.uri()) {
                 continue;
             }
-            let what =
-                "its elements stand in a default namespace that the robot it is attached to does not have".into();
+            let what = "its elements use a default namespace that the robot it is attached to lacks".into();
             return Err(EditError::Refused { place: guest.source.place(other.range().start, "robot"), what });
         };
         // What was declared for the parser alone goes again.
@@ -178,7 +177,7 @@ fn namespaces(robot: &Robot, edits: &mut Edits, root: Node, other: Node, guest: 
     Ok(())
 }
 
-/// What stands between the tags of the other robot.
+/// The content between the tags of the other robot.
 fn inside(guest: &Robot, root: Node) -> String {
     let children: Vec<Node> = root.children().filter(|node| !node.is_text()).collect();
     match (children.first(), children.last()) {

@@ -1,12 +1,13 @@
-//! A maker's numbers of one arm into the joint origins of the URDF that is in use.
+//! Puts a manufacturer's calibration of one arm into the joint origins of a URDF.
 //!
-//! What the file gives is a chain of screw axes in frames of its own. Where its base and tip are links of the robot it is taken
-//! as it stands. A maker's list of joint origins starts at the link that carries its first joint and ends at the link that its
-//! last joint carries. A D-H table has its own base, tip, zeros and senses, which are those by which the *nominal* table lies
-//! on the drawn robot: robot(q) = B · table(sense · q + zero) · E. Then the calibrated robot is B · actual(sense · q + zero) · E.
+//! The file gives a chain of screw axes in its own frames. If its base and tip are links of the robot, it is used
+//! unchanged. A manufacturer's list of joint origins starts at the link that carries its first joint and ends at the link
+//! that its last joint carries. A D-H table has its own base, tip, zeros and senses; they follow from matching the *nominal*
+//! table with the URDF: robot(q) = B · table(sense · q + zero) · E. The calibrated robot is then
+//! B · actual(sense · q + zero) · E.
 //!
-//! Only joint origins change: each link turns by the angle between its drawn axis and the real one, and moves to the nearest
-//! point of the real one, so that meshes and frames stay where they are as nearly as can be.
+//! Only joint origins change: each link turns by the angle between its nominal and its real axis, and moves to the nearest
+//! point of the real axis, so that meshes and frames stay as closely as possible in place.
 
 use crate::Change;
 use crate::claim::{Claim, Compared};
@@ -21,34 +22,34 @@ use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw, se3};
 
-/// A calibration that moves a link by more than this many times the robot's size is another robot's.
+/// A calibration that moves a link by more than this many times the robot's size belongs to another robot.
 const PLAUSIBLE: f64 = 0.05;
 
-/// A maker's figures of one arm.
+/// A manufacturer's calibration of one arm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Actual {
     /// A chain of screw axes.
     Chain {
-        /// The arm as it is.
+        /// The calibrated arm.
         chain: Box<Chain>,
-        /// How its frames lie on the robot's.
+        /// How its frames relate to the robot's.
         frames: Frames,
     },
-    /// The robot's own joint origins, by the indices of its joints, as they are.
+    /// The calibrated joint origins of the robot, by joint index.
     Origins(Vec<(usize, Numbers)>),
 }
 
-/// How the frames of a file lie on those of a robot.
+/// How the frames of a file relate to those of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Frames {
-    /// Base and tip are links of the robot, or a maker's list of joint origins.
+    /// Base and tip are links of the robot, or the file is a manufacturer's list of joint origins.
     Own,
-    /// As this drawn table of the same maker lies on the drawn robot.
+    /// As this nominal table of the same manufacturer matches the URDF.
     AsNominal(Box<Table>, Convention),
 }
 
 /// # Errors
-/// Joints that are not the robot's, a nominal table that is not the drawn robot's, or a chain that URDF cannot say.
+/// Joints that are not in the robot, a nominal table that does not match the URDF, or a chain that URDF cannot express.
 pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: &Actual) -> Result<Change, EditError> {
     match actual {
         Actual::Chain { chain, frames } => set_chain(robot, srdf, file, (chain, frames)),
@@ -56,7 +57,7 @@ pub(crate) fn set(robot: &Robot, srdf: Option<&SourceText>, file: &str, actual: 
     }
 }
 
-/// Joint origins as they are; what they carry moves along.
+/// Sets calibrated joint origins; their children move along.
 fn set_origins(
     robot: &Robot,
     srdf: Option<&SourceText>,
@@ -71,7 +72,8 @@ fn set_origins(
         let (turned, moved) = se3::difference(&robot.joints[*index].origin.pose(), &numbers.pose());
         if moved > PLAUSIBLE * size || turned > PLAUSIBLE {
             return Err(EditError::Words(format!(
-                "{file}: it would move the origin of joint \"{}\" by {:.0} mm and {:.1}°: these are figures of another robot",
+                "{file}: it would move the origin of joint \"{}\" by {:.0} mm and {:.1}°: this calibration is for \
+                 another robot",
                 robot.joints[*index].name,
                 1e3 * moved,
                 turned.to_degrees()
@@ -86,7 +88,7 @@ fn set_origins(
     Ok(Change::of(edits.apply(&robot.source)?, srdf, claim, tally, Vec::new()))
 }
 
-/// A chain's axes, with the frames of the robot as nearly as can be.
+/// Sets a chain's axes, keeping the frames of the robot as closely as possible.
 fn set_chain(
     robot: &Robot,
     srdf: Option<&SourceText>,
@@ -114,7 +116,7 @@ fn set_chain(
         .value;
     if drawn.joints().len() != chain.joints().len() {
         let (has, own) = (chain.joints().len(), drawn.joints().len());
-        return Err(wrong(format!("it has {has} joints, and the robot has {own} from \"{base}\" to \"{tip}\"")));
+        return Err(wrong(format!("it has {has} joints, but the robot has {own} from \"{base}\" to \"{tip}\"")));
     }
     let (screws, home) = match frames {
         Frames::Own => {
@@ -130,8 +132,8 @@ fn set_chain(
         (calibrated.fk(&zeros(&calibrated)).translation.vector - drawn.fk(&zeros(&drawn)).translation.vector).norm();
     if moved > PLAUSIBLE * drawn.size() {
         return Err(wrong(format!(
-            "at joint values 0 it would move \"{}\" by {:.0} mm: these are figures of another robot, or rounded ones; UR's \
-             need every digit, since lengths of hundreds of metres cancel in them",
+            "at joint values 0 it would move \"{}\" by {:.0} mm: this calibration is for another robot, or is \
+             rounded; a UR calibration needs every digit, because lengths of hundreds of metres cancel in it",
             calibrated.tip(),
             1e3 * moved
         )));
@@ -163,14 +165,14 @@ fn joints(robot: &Robot, chain: &Chain) -> Result<Vec<usize>, String> {
     if moving != chain.joints().len() || own.is_empty() {
         let names: Vec<&str> = chain.joints().iter().map(|joint| joint.name.as_str()).collect();
         return Err(format!(
-            "its joints ({}) are not the robot's, and the robot's own chain has {moving} joints; rename them in the file",
+            "its joints ({}) are not the robot's, and the robot's chain has {moving} joints; rename them in the file",
             names.join(", ")
         ));
     }
     Ok(own)
 }
 
-/// Whether the tip is not farther from where it was drawn than a calibration can move it.
+/// Whether the displacement of the tip from its nominal pose is plausible for a calibration.
 fn is_plausible(drawn: &Chain, actual: &Chain) -> bool {
     if drawn.joints().len() != actual.joints().len() {
         return false;
@@ -193,8 +195,8 @@ fn bases(robot: &Robot, first: usize) -> Vec<usize> {
     bases
 }
 
-/// The links that base and tip of the file are: of those on the first joint's carrier, towards the root, and on what the
-/// last joint carries, the pair whose drawn pose comes nearest. A table that is laid on the robot needs no such guess.
+/// The links for base and tip of the file: of those on the first joint's carrier, towards the root, and those that the
+/// last joint carries, the pair with the closest nominal pose. A table matched with the robot needs no such guess.
 fn ends(robot: &Robot, joints: &[usize], chain: &Chain, frames: &Frames) -> (String, String) {
     let placed = PlacedRobot::new(robot, Reading::AsWritten);
     let (first, last) = (robot.joints[joints[0]].parent, robot.joints[joints[joints.len() - 1]].child);
@@ -221,14 +223,14 @@ fn ends(robot: &Robot, joints: &[usize], chain: &Chain, frames: &Frames) -> (Str
 
 type Laid<'a> = (Vec<(Screw, f64, &'a ChainJoint)>, Pose);
 
-/// The actual table in the frames, zeros and senses by which the nominal one lies on the drawn robot.
+/// The actual table with the frames, zeros and senses by which the nominal one matches the URDF.
 fn laid<'a>(drawn: &'a Chain, actual: &Chain, (table, convention): (&Table, Convention)) -> Result<Laid<'a>, String> {
     let vendor = VendorTable::of(table, convention, false);
     let found = match_table(drawn, &vendor).map_err(|error| format!("the nominal table: {error}"))?;
     if found.verdict == Verdict::Mismatch {
         return Err(format!(
-            "the nominal table is not the drawn robot's: it misses it by up to {:.1} mm; name the table that the maker's \
-             figures are added to",
+            "the nominal table does not match the URDF: it deviates by up to {:.1} mm; give the table that the \
+             calibration is added to",
             1e3 * found.placement.position_error
         ));
     }

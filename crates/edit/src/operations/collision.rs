@@ -1,7 +1,7 @@
-//! Simple shapes for the meshes that collide: each holds every corner of the mesh that it stands for.
+//! Simple shapes for collision meshes: each contains every vertex of the mesh that it replaces.
 //!
-//! A mesh of a `<collision>` becomes a box, a cylinder, a sphere or its convex hull, in the frame that the mesh had. Numbers are
-//! rounded outwards, and the proof puts every corner of the mesh into the shape as it is read back from the new text.
+//! A mesh of a `<collision>` becomes a box, a cylinder, a sphere or its convex hull, in the frame of the mesh. Numbers are
+//! rounded outwards, and the proof checks every vertex of the mesh against the shape read back from the new text.
 
 use crate::claim::{Claim, Compared, Enclosed, Shapes};
 use crate::error::{self, EditError, refused_at_link};
@@ -27,7 +27,7 @@ pub enum Simple {
     Sphere,
     /// The smallest of these three.
     Smallest,
-    /// The convex hull, a mesh file of its own.
+    /// The convex hull, in a new mesh file.
     Hull,
 }
 
@@ -53,16 +53,16 @@ impl Simple {
 /// The meshes of a robot, by the names that its text has for them: triangles in the mesh's own frame, m, or why there are none.
 pub type Meshes = BTreeMap<String, Result<Vec<Triangle>, String>>;
 
-/// What is asked for.
+/// The request.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simplified {
     /// The shape.
     pub shape: Simple,
-    /// Links; all where there is none.
+    /// Links; all if empty.
     pub links: Vec<String>,
     /// What the robot's mesh files hold.
     pub meshes: Meshes,
-    /// What stands before the names of hulls in the text, such as `package://arm/meshes/`.
+    /// The prefix of the names of hulls in the text, such as `package://arm/meshes/`.
     pub folder: Option<String>,
 }
 
@@ -77,7 +77,7 @@ struct Simpler {
 }
 
 /// # Errors
-/// No mesh collides, a mesh is not there or is flat, or a hull has no folder to go to.
+/// There is no collision mesh, a mesh is missing or flat, or a hull has no folder.
 pub(crate) fn simplify(robot: &Robot, srdf: Option<&SourceText>, asked: &Simplified) -> Result<Change, EditError> {
     let document = parse(robot)?;
     let nodes = Nodes::of(robot, &document)?;
@@ -96,7 +96,7 @@ pub(crate) fn simplify(robot: &Robot, srdf: Option<&SourceText>, asked: &Simplif
             let triangles = match asked.meshes.get(filename) {
                 Some(Ok(triangles)) if !triangles.is_empty() => triangles,
                 Some(Err(why)) => return Err(refused(why.clone())),
-                _ => return Err(refused("it is not at hand".into())),
+                _ => return Err(refused("its file was not read".into())),
             };
             let simpler = simpler(asked.shape, triangles, *scale).map_err(refused)?;
             let origin = shape.origin.pose();
@@ -128,11 +128,11 @@ pub(crate) fn simplify(robot: &Robot, srdf: Option<&SourceText>, asked: &Simplif
     }
     if claim.enclosed.is_empty() {
         let place = robot.source.place(robot.links[robot.root].at, "the robot");
-        let what = "no collision shape of these links is a mesh, so there is nothing to replace".into();
+        let what = "these links have no collision mesh, so there is nothing to replace".into();
         return Err(EditError::Refused { place, what });
     }
     let corners: usize = claim.enclosed.iter().map(|of| of.points.len()).sum();
-    tally.say(format!("all {corners} corners of triangles are inside"));
+    tally.say(format!("all {corners} triangle vertices are inside"));
     tally.say(format!("{} m³ more, on {} m³", rounded(sums.1 - sums.0), rounded(sums.0)));
     let urdf = edits.apply(&robot.source)?;
     let files = hulls.into_values().map(|(_, text)| text).collect();
@@ -155,7 +155,7 @@ fn simpler(shape: Simple, triangles: &[Triangle], scale: [f64; 3]) -> Result<Sim
     let own = solids::volume(&size);
     if shape == Simple::Hull {
         // In the mesh's own numbers: the scale stays where it is.
-        let hull = Hull::of(&points).ok_or("its points lie in a plane, so that they have no hull")?;
+        let hull = Hull::of(&points).ok_or("its points lie in a plane, so they have no hull")?;
         let volume = hull.volume() * factors.product().abs();
         return Ok(Simpler { placed: None, hull: Some(hull), volumes: (own, volume), hull_volume: Some(volume) });
     }
@@ -190,7 +190,7 @@ fn hull_name(known: &BTreeMap<String, (String, Text)>, asked: &Simplified, mesh:
         return Ok(uri.clone());
     }
     let Some(folder) = &asked.folder else {
-        return Err("a hull is a file of its own; name the folder that it goes to".into());
+        return Err("a hull needs its own file; name a folder for it".into());
     };
     let name = mesh.rsplit(['/', '\\']).next().unwrap_or(mesh);
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
@@ -226,12 +226,12 @@ fn write(robot: &Robot, edits: &mut Edits, element: Node, placed: &Placed, origi
     }
 }
 
-/// What a shape has more than its mesh.
+/// The excess volume of a shape over its mesh.
 fn added(simpler: &Simpler) -> String {
     let (own, volume) = simpler.volumes;
     let (of, over) = match (own, simpler.hull_volume) {
         (Some(own), _) => (own, "the mesh's volume"),
-        (None, Some(hull)) => (hull, "the volume of its hull (the surface is open, and has none of its own)"),
+        (None, Some(hull)) => (hull, "the volume of its hull (the surface is open, so it has no volume)"),
         (None, None) => return format!("{} m³ around a flat surface", rounded(volume)),
     };
     format!("{} m³ more, {:.0} % of {over}", rounded(volume - of), 100.0 * (volume - of) / of)

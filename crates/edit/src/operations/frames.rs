@@ -1,4 +1,4 @@
-//! Other frames for links: the same robot, given in them.
+//! Moves the frames of links without changing the robot.
 
 use crate::Change;
 use crate::claim::{Claim, KeptLink};
@@ -14,25 +14,25 @@ use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 use denavit_model::urdf;
 
-/// A frame that is off by less is where it was, m and rad.
+/// A frame displaced by less is unchanged, m and rad.
 const STAYS: f64 = 1e-12;
 
-/// Link frames on the D-H frames, as `denavit export` puts them; every number as it is written.
+/// Moves link frames to the D-H frames, as `denavit export` does; every number is read as written.
 ///
 /// # Errors
 /// As of the export.
 pub(crate) fn canonical(robot: &Robot, srdf: Option<&SourceText>) -> Result<Change, EditError> {
     let made = canonical_text(robot, &Options { reading: Reading::AsWritten, ..Options::default() })?;
     let mut tally = Tally::default();
-    tally.say("link frames put on the D-H frames");
+    tally.say("link frames moved to the D-H frames");
     let notes = made.notes.iter().map(ToString::to_string).collect();
     given_anew(robot, srdf, (made.value, Pose::identity()), tally, notes)
 }
 
-/// A link's frame at `to`, given in the frame that it has.
+/// Moves a link's frame to `to`, given in its present frame.
 ///
 /// # Errors
-/// No such link, or a place off the axis that the link turns about.
+/// No such link, or a position off the link's joint axis.
 pub(crate) fn origin(robot: &Robot, srdf: Option<&SourceText>, name: &str, to: &Pose) -> Result<Change, EditError> {
     let link = error::link(robot, name)?;
     let mut frames = vec![None; robot.links.len()];
@@ -41,13 +41,13 @@ pub(crate) fn origin(robot: &Robot, srdf: Option<&SourceText>, name: &str, to: &
         let joint = &robot.joints[index];
         let off = to.translation.vector.cross(&joint.axis).norm();
         if turns(&joint.kind) && off > 1e-12 * to.translation.vector.amax() {
-            let what = "the link turns about this joint's axis, and in a URDF its frame lies on it; give a place on the axis, or \
-                        attach a link to it with `attach`";
+            let what = "a URDF needs the link's frame on this joint's axis; give a position on the axis, or attach a \
+                        new link with `attach`";
             return Err(refused_at_joint(robot, index, what));
         }
         if several_values(&joint.kind) {
             let what = format!(
-                "the values of a {} joint are given in its child link's frame; they would change",
+                "the values of a {} joint refer to its child link's frame, so they would change",
                 joint.kind.word()
             );
             return Err(refused_at_joint(robot, index, what));
@@ -58,8 +58,8 @@ pub(crate) fn origin(robot: &Robot, srdf: Option<&SourceText>, name: &str, to: &
     moved(robot, srdf, &frames, tally, Vec::new())
 }
 
-/// Link frames where the mass is: at the centre of mass of a link, or, where a joint turns the link, at the point of the joint's
-/// axis that is nearest to it, since a URDF's joint turns about its child's origin. No frame turns.
+/// Moves link frames to the centre of mass, or, if a joint turns the link, to the nearest point of the joint's axis,
+/// because a URDF joint turns about its child's origin. No frame turns.
 ///
 /// # Errors
 /// No such link, or one without mass.
@@ -75,7 +75,7 @@ pub(crate) fn recentre(robot: &Robot, srdf: Option<&SourceText>, names: &[String
         }
         let Some(inertial) = link.inertial.as_ref().filter(|inertial| inertial.mass > 0.0) else {
             if asked {
-                return Err(error::refused_at_link(robot, index, "it has no mass, and so no centre of it"));
+                return Err(error::refused_at_link(robot, index, "it has no mass, so it has no centre of mass"));
             }
             continue;
         };
@@ -84,7 +84,7 @@ pub(crate) fn recentre(robot: &Robot, srdf: Option<&SourceText>, names: &[String
             if several_values(&joint.kind) {
                 let kind = joint.kind.word();
                 notes.push(format!(
-                    "link \"{}\" keeps its frame: the values of the {kind} joint \"{}\" are given in it",
+                    "link \"{}\" keeps its frame: the values of the {kind} joint \"{}\" refer to it",
                     link.name, joint.name
                 ));
                 continue;
@@ -100,7 +100,7 @@ pub(crate) fn recentre(robot: &Robot, srdf: Option<&SourceText>, names: &[String
         }
     }
     if frames.iter().all(Option::is_none) {
-        tally.say("every frame is there already");
+        tally.say("every frame is already there");
     }
     moved(robot, srdf, &frames, tally, notes)
 }
@@ -109,7 +109,7 @@ fn turns(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Screw(_))
 }
 
-/// Whether the values of a joint are given in its child's frame.
+/// Whether the values of a joint refer to its child's frame.
 fn several_values(kind: &JointKind) -> bool {
     !kind.has_one_value() && kind.moves()
 }
@@ -163,7 +163,7 @@ fn moved(
     given_anew(robot, srdf, (urdf, root), tally, notes)
 }
 
-/// The claim of a text in which frames differ: by how much at joint values 0, and so at all.
+/// The claim of a text in which frames differ: their displacement at joint values 0, the same at all others.
 fn given_anew(
     robot: &Robot,
     srdf: Option<&SourceText>,

@@ -1,7 +1,7 @@
-//! Links on fixed joints become parts of the link that carries them.
+//! Merges links on fixed joints into the link that carries them.
 //!
-//! First everything in a link that goes is given in the frame of the link that stays, in place; then the elements move over.
-//! A link that is kept as a frame gives its mass and shapes away and stays where it is, without them.
+//! First everything in a removed link is expressed in the frame of the remaining link, in place; then the elements move.
+//! A link that is kept as a frame loses its mass and shapes and stays in place.
 
 mod inertial;
 mod srdf;
@@ -21,10 +21,10 @@ use denavit_model::urdf;
 use roxmltree::{Document, Node};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What becomes of a link on a fixed joint.
+/// How a link on a fixed joint is treated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
-    /// It goes, with its joint.
+    /// It is removed, with its joint.
     Goes,
     /// It stays as a frame.
     Frame,
@@ -33,16 +33,16 @@ enum Fate {
 /// Which links go where.
 struct Plan {
     fates: BTreeMap<usize, Fate>,
-    /// For each link the one that its content is in afterwards.
+    /// For each link, the link with its content afterwards.
     target: Vec<usize>,
     /// target_from_link.
     step: Vec<Pose>,
 }
 
-/// `named`: fixed joints, or links on them; all where there is none. `keep`: links that stay as frames.
+/// `named`: fixed joints, or links on them; all if empty. `keep`: links that stay as frames.
 ///
 /// # Errors
-/// A name that is missing, or of something that is not on a fixed joint or is needed.
+/// A name that is missing, is not on a fixed joint, or is needed.
 pub(crate) fn merge(
     robot: &Robot,
     srdf: Option<&SourceText>,
@@ -110,11 +110,7 @@ fn fates(
     for name in keep {
         let link = error::link(robot, name)?;
         if robot.joint_to(link).is_none_or(|joint| !wanted.contains(&joint)) {
-            return Err(error::refused_at_link(
-                robot,
-                link,
-                "it is not on a fixed joint that is merged, so it stays anyhow",
-            ));
+            return Err(error::refused_at_link(robot, link, "it is not on a merged fixed joint, so it stays anyway"));
         }
     }
     let needed = needed(robot, document, srdf)?;
@@ -127,7 +123,7 @@ fn fates(
             fates.insert(link, Fate::Frame);
         } else if all && parent == "world" {
             notes.push(format!(
-                "link \"{name}\" stays: what carries it is the world; name its joint to merge it all the same"
+                "link \"{name}\" stays, because the world carries it; name its joint to merge it anyway"
             ));
         } else if let Some(why) = because {
             notes.push(format!("link \"{name}\" is kept as a frame: {why}"));
@@ -139,7 +135,7 @@ fn fates(
     Ok(fates)
 }
 
-/// Names that something beside the tree needs, and why.
+/// Names that an element outside the tree needs, and why.
 fn needed(
     robot: &Robot,
     document: &Document,
@@ -184,7 +180,7 @@ fn plan(robot: &Robot, fates: BTreeMap<usize, Fate>) -> Plan {
     Plan { fates, target, step }
 }
 
-/// The text with everything that moves over given in the frame of the link that it moves to.
+/// The text with everything that moves expressed in the frame of its new link.
 fn given_in_the_target(robot: &Robot, document: &Document, nodes: &Nodes, plan: &Plan) -> Result<String, EditError> {
     let mut edits = Edits::default();
     let steps =
@@ -206,7 +202,7 @@ fn given_in_the_target(robot: &Robot, document: &Document, nodes: &Nodes, plan: 
     Ok(edits.apply(&robot.source)?)
 }
 
-/// The elements where they belong; `moved` has the links of `robot` in its order.
+/// Moves the elements to their links; `moved` has the links of `robot` in its order.
 fn moved_over(moved: &Robot, robot: &Robot, plan: &Plan, tally: &mut Tally) -> Result<String, EditError> {
     let document = parse(moved)?;
     let nodes = Nodes::of(moved, &document)?;

@@ -1,4 +1,4 @@
-//! Mesh files under other names: the text follows where they were copied to.
+//! Updates the text after mesh files were copied to another folder.
 
 use crate::Change;
 use crate::claim::{Claim, Compared};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// `names`: the new name of each mesh by its old one, as the text writes them. Scales stay: the files are copies.
 ///
 /// # Errors
-/// A text that edits do not reach.
+/// A text out of reach of edits.
 pub(crate) fn meshes(
     robot: &Robot,
     srdf: Option<&SourceText>,

@@ -1,10 +1,10 @@
 //! The mirror image: with M the reflection, every pose T becomes M T M, so that equal joint values give mirrored poses.
 //!
-//! A translation changes the sign of one coordinate; of fixed-axis angles and quaternions those change that turn about an
-//! axis in the plane. A joint's axis is a pseudo-vector where it turns (-M a) and a vector where it slides (M a); a screw
-//! advances the other way. In a tensor the two products with the reflected coordinate change their sign. Boxes, cylinders and
+//! One coordinate of a translation changes sign; of fixed-axis angles and quaternions, the components about axes in the
+//! plane do. A revolute joint's axis is a pseudo-vector (-M a), a prismatic joint's a vector (M a); the pitch of a screw
+//! changes sign. In a tensor the two products with the reflected coordinate change sign. Boxes, cylinders and
 //! spheres are their own mirror images; meshes get a negative scale along the reflected coordinate. Every number keeps
-//! its digits, so that the mirror image of the mirror image is the first file.
+//! its digits, so mirroring twice gives the original file.
 
 use crate::Change;
 use crate::claim::{Claim, Compared, Space};
@@ -26,11 +26,11 @@ struct Signs {
     index: usize,
     /// Of vectors.
     vector: [bool; 3],
-    /// Of angles, and of vectors that stand for turns.
+    /// Of angles, and of rotation vectors.
     turn: [bool; 3],
 }
 
-/// `names`: pairs of parts of names that are exchanged.
+/// `names`: pairs of parts of names that are swapped.
 ///
 /// # Errors
 /// A joint that has no mirror image, or names that clash.
@@ -158,7 +158,7 @@ fn mesh(robot: &Robot, edits: &mut Edits, shape: Node, signs: &Signs, tally: &mu
     }
 }
 
-/// What other elements place: sensors, plugins' offsets, loop joints.
+/// Poses in other elements: sensors, plugin offsets, loop joints.
 fn others(
     robot: &Robot,
     document: &roxmltree::Document,
@@ -171,7 +171,7 @@ fn others(
         let found = posed::in_element(element, owner);
         if found.iter().any(|posed| matches!(posed.placed, Placed::Pose(_))) && top.tag_name().name() == "gazebo" {
             let place = robot.source.place(element.at, element.label());
-            notes.push(format!("{place}: what it places is at the mirrored pose; a sensor itself is not reflected"));
+            notes.push(format!("{place}: its pose is mirrored, but the sensor itself is not"));
         }
         for posed in found {
             let Some(node) = inside.get(posed.node) else { continue };

@@ -15,16 +15,16 @@ use std::collections::BTreeSet;
 pub(crate) enum Side {
     /// The link and all that it carries.
     Below,
-    /// All else.
+    /// Everything else.
     Above,
 }
 
 /// # Errors
-/// No such link, nothing left, or something that joins both parts.
+/// No such link, nothing remains, or something connects both parts.
 pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: Side) -> Result<Change, EditError> {
     let link = error::link(robot, name)?;
     if side == Side::Above && link == robot.root {
-        return Err(error::refused_at_link(robot, link, "it is the root, so nothing would be left"));
+        return Err(error::refused_at_link(robot, link, "it is the root, so nothing would remain"));
     }
     let document = parse(robot)?;
     let nodes = Nodes::of(robot, &document)?;
@@ -41,7 +41,7 @@ pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: S
         if let Some(node) = nodes.link(index) {
             edits.remove(&robot.source, node);
         }
-        tally.count("link", "links", "taken out");
+        tally.count("link", "links", "removed");
     }
     for (index, of) in robot.joints.iter().enumerate() {
         if stays(of.parent, &below) && stays(of.child, &below) {
@@ -50,7 +50,7 @@ pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: S
         joints.insert(of.name.as_str());
         claim.joints.remove(&of.name);
         edits.remove(&robot.source, nodes.joint(index));
-        tally.count("joint", "joints", "taken out");
+        tally.count("joint", "joints", "removed");
     }
     for (index, of) in robot.joints.iter().enumerate().filter(|(_, of)| !joints.contains(of.name.as_str())) {
         if let Some(driver) = of.mimic.as_ref().filter(|mimic| joints.contains(mimic.joint.as_str())) {
@@ -74,17 +74,17 @@ pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: S
         let tag = element.tag_name().name();
         if lost == of.len() {
             edits.remove(&robot.source, element);
-            tally.count("element", "elements", "of the other part taken out");
+            tally.count("element", "elements", "of the other part removed");
         } else if tag == "ros2_control" {
             control(robot, &mut edits, element, &gone)?;
-            tally.count("system of ros2_control", "systems of ros2_control", "divided");
+            tally.count("system of ros2_control", "systems of ros2_control", "split");
         } else {
             let name = of.iter().find(|used| gone(&used.name)).map_or("", |used| used.name.as_str());
             let label =
                 element.attribute("name").map_or_else(|| format!("<{tag}>"), |name| format!("{tag} \"{name}\""));
             let place = robot.source.place(element.range().start, label);
             let what =
-                format!("it joins both parts (it names \"{name}\" and what stays); take it out, or divide it first");
+                format!("it connects both parts (it names \"{name}\" and a part that stays); remove or split it first");
             return Err(EditError::Refused { place, what });
         }
     }
@@ -94,7 +94,7 @@ pub(crate) fn part(robot: &Robot, srdf: Option<&SourceText>, name: &str, side: S
     };
     if let Some(srdf) = srdf {
         notes.push(format!(
-            "{}: groups and states of the whole robot are not divided; write an SRDF for the part",
+            "{}: groups and states of the whole robot are not split; write an SRDF for the part",
             srdf.file
         ));
     }
@@ -114,7 +114,7 @@ fn below(robot: &Robot, link: usize) -> Vec<bool> {
     below
 }
 
-/// Takes the joints that go out of a system.
+/// Removes the joints of the removed part from a system.
 fn control(robot: &Robot, edits: &mut Edits, element: Node, gone: &dyn Fn(&str) -> bool) -> Result<(), EditError> {
     for part in element.children().filter(Node::is_element) {
         let named: Vec<&str> = part
@@ -127,10 +127,7 @@ fn control(robot: &Robot, edits: &mut Edits, element: Node, gone: &dyn Fn(&str) 
             edits.remove(&robot.source, part);
         } else if lost > 0 {
             let place = robot.source.place(part.range().start, format!("<{}>", part.tag_name().name()));
-            return Err(EditError::Refused {
-                place,
-                what: "it joins both parts; take it out, or divide it first".into(),
-            });
+            return Err(EditError::Refused { place, what: "it connects both parts; remove or split it first".into() });
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Other names for links and joints, wherever they are used.
+//! Renames links and joints wherever they are used.
 
 use crate::claim::{Claim, Compared, KeptJoint, KeptLink};
 use crate::error::{self, EditError};
@@ -22,7 +22,7 @@ pub struct Renaming {
 }
 
 /// # Errors
-/// A name that is missing, of two things, or taken.
+/// A name that is missing, ambiguous or taken.
 pub(crate) fn rename(robot: &Robot, srdf: Option<&SourceText>, wanted: &[Renaming]) -> Result<Change, EditError> {
     let mut names = Names::default();
     for Renaming { kind, old, new } in wanted {
@@ -58,7 +58,7 @@ pub(crate) fn prefix(robot: &Robot, srdf: Option<&SourceText>, prefix: &str) -> 
 }
 
 /// # Errors
-/// A name that is taken, or a text in which the old names could not be had back.
+/// A name that is taken, or a text in which the renaming could not be reversed.
 pub(crate) fn renamed(robot: &Robot, srdf: Option<&SourceText>, names: &Names) -> Result<Change, EditError> {
     taken(robot, names)?;
     let mut tally = Tally::default();
@@ -87,7 +87,7 @@ pub(crate) fn renamed(robot: &Robot, srdf: Option<&SourceText>, names: &Names) -
     Ok(Change { urdf, srdf, claim: claim(robot, names), second: None, files: Vec::new(), tally, notes: left })
 }
 
-/// Where everything is under its new name.
+/// The claim: everything is in place under its new name.
 pub(crate) fn claim(robot: &Robot, names: &Names) -> Claim {
     let mut claim = Claim { compared: Compared::No, ..Claim::same(robot) };
     let new = |map: &BTreeMap<String, String>, old: &String| map.get(old).unwrap_or(old).clone();
@@ -124,7 +124,7 @@ fn taken(robot: &Robot, names: &Names) -> Result<(), EditError> {
     Ok(())
 }
 
-/// The exact proof: the old names put back give the old text, byte for byte.
+/// The exact proof: restoring the old names gives the old text, byte for byte.
 fn can_be_undone(robot: &Robot, names: &Names, text: &str) -> Result<(), EditError> {
     let unproved = |what: String| EditError::Unproved { operation: "rename".into(), what };
     let made = urdf::read(&robot.source.file, text).map_err(|error| unproved(error.to_string()))?;
@@ -138,6 +138,6 @@ fn can_be_undone(robot: &Robot, names: &Names, text: &str) -> Result<(), EditErr
     }
     let line = back.lines().zip(original.lines()).position(|(a, b)| a != b).map_or(0, |index| index + 1);
     Err(unproved(format!(
-        "line {line} names something that already has the new name, so the old names could not be had back"
+        "line {line} names something that already has the new name, so the renaming could not be reversed"
     )))
 }

@@ -1,13 +1,13 @@
-//! Another root: the joints on the way there are turned round, every link's frame stays where it is on its link.
+//! Changes the root: the joints on the path to it are inverted, every link's frame stays in place on its link.
 //!
-//! A joint turns about its child link's origin. Turned round, its child is the link that carried it, whose origin need not lie
-//! on the axis. A joint moves by T·exp(a q); the other way that is exp(-a q)·T⁻¹ = T⁻¹·exp(-(Ta) q):
+//! A joint turns about its child link's origin. After inversion, its child is its former carrier, whose origin need not
+//! be on the axis. A joint moves by T·exp(a q); the inverse is exp(-a q)·T⁻¹ = T⁻¹·exp(-(Ta) q):
 //! - fixed, floating: the origin is T⁻¹;
 //! - sliding, and turning where the carrying link's origin lies on the axis: the origin is T⁻¹, the axis -(R a);
-//! - else the joint carries a link `LINK_at_JOINT` without mass or shape, with the axis -a, and that carries the link by a fixed
+//! - otherwise the joint carries a link `LINK_at_JOINT` without mass or shape, with the axis -a, and that carries the link by a fixed
 //!   joint with T⁻¹.
 //!
-//! Joint values stay, and with them limits, mimic joints and transmissions. Rerooted back, such links go again.
+//! Joint values stay, and with them limits, mimic joints and transmissions. Rerooting back removes such links again.
 
 use crate::Change;
 use crate::claim::Claim;
@@ -27,10 +27,10 @@ use denavit_model::tree::Reading;
 use roxmltree::Node;
 use std::collections::BTreeSet;
 
-/// An origin that is off an axis by less than this, relative to its length, lies on it: rounding of the product that gave it.
+/// An origin closer to an axis than this, relative to its length, is on it: rounding of the product that gave it.
 const ON_AXIS: f64 = 4.0 * f64::EPSILON;
 
-/// What becomes of a joint on the way.
+/// How a joint on the path is inverted.
 enum Turned {
     /// The carrying link follows directly.
     Plain { origin: Pose, axis: Option<Vector3<f64>> },
@@ -39,7 +39,7 @@ enum Turned {
 }
 
 /// # Errors
-/// No such link, or a joint on the way that cannot be turned round.
+/// No such link, or a joint on the path that cannot be inverted.
 pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Result<Change, EditError> {
     let new_root = error::link(robot, name)?;
     let placed = PlacedRobot::new(robot, Reading::AsWritten);
@@ -55,7 +55,7 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
         at = robot.joints[joint].parent;
     }
     if way.is_empty() {
-        notes.push(format!("link \"{name}\" is the root already"));
+        notes.push(format!("link \"{name}\" is already the root"));
     }
     refuse_places_in_the_root_frame(robot)?;
     let mut between = 0;
@@ -70,7 +70,7 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
             if let Some(kept) = claim.joints.get_mut(&joint.name) {
                 kept.reversed = true;
             }
-            tally.count("joint", "joints", "turned round");
+            tally.count("joint", "joints", "inverted");
             tally.count("link without mass", "links without mass", "no longer needed");
             continue;
         }
@@ -112,10 +112,10 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
         if let Some(kept) = claim.joints.get_mut(&joint.name) {
             kept.reversed = true;
         }
-        tally.count("joint", "joints", "turned round");
+        tally.count("joint", "joints", "inverted");
         if !joint.kind.has_one_value() && joint.kind.moves() {
             notes.push(format!(
-                "joint \"{}\" is {}: its pose is now that of \"{old_parent}\" in \"{old_child}\", the inverse of before",
+                "joint \"{}\" is {}: its pose is now that of \"{old_parent}\" in \"{old_child}\", the inverse",
                 joint.name,
                 joint.kind.word()
             ));
@@ -123,7 +123,7 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
     }
     if between > 0 {
         tally.say(format!(
-            "{between} link{} without mass put in, so that every frame stays",
+            "{between} link{} without mass added, so that every frame stays",
             if between == 1 { "" } else { "s" }
         ));
     }
@@ -134,7 +134,7 @@ pub(crate) fn reroot(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Re
     Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
-/// The joint `next` turned round onto the link that the fixed joint `index` leads to, without the link between them.
+/// Inverts the joint `next` onto the link that the fixed joint `index` leads to, without the link between them.
 fn without_helper(
     robot: &Robot,
     nodes: &Nodes,
@@ -158,22 +158,22 @@ fn without_helper(
     Ok(())
 }
 
-/// Sentences on what may depend on which link is the root.
+/// Notes on what may depend on the root link.
 fn what_names_the_old_tree(robot: &Robot, srdf: Option<&SourceText>) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
     if robot.links[robot.root].name == "world" {
-        notes.push("link \"world\" is no longer the root; simulators that fix a root of that name will not".into());
+        notes.push("link \"world\" is no longer the root; simulators that fix such a root no longer do".into());
     }
     if let Some(srdf) = srdf.filter(|srdf| srdf.text.contains("<virtual_joint") || srdf.text.contains("<chain")) {
         notes.push(format!(
-            "{}: <virtual_joint> and <chain> name links of the old tree; a chain must run from base to tip, look at them",
+            "{}: <virtual_joint> and <chain> name links of the old tree; check them: a chain must run from base to tip",
             srdf.file
         ));
     }
     notes
 }
 
-/// How the joint runs from its child to what carried it, when it moved by `forward`·exp(a q).
+/// The joint from its child to its former carrier, if it moved by `forward`·exp(a q).
 fn turned(robot: &Robot, index: usize, forward: &Pose) -> Result<Turned, EditError> {
     let joint = &robot.joints[index];
     let back = forward.inverse();
@@ -191,12 +191,12 @@ fn turned(robot: &Robot, index: usize, forward: &Pose) -> Result<Turned, EditErr
         _ => Err(refused_at_joint(
             robot,
             index,
-            format!("a joint of the unknown kind \"{}\" cannot be turned round", joint.kind.word()),
+            format!("a joint of the unknown kind \"{}\" cannot be inverted", joint.kind.word()),
         )),
     }
 }
 
-/// The direction of an axis; signs alone where only they change.
+/// Writes the direction of an axis; only the signs if nothing else changes.
 fn write_axis(robot: &Robot, edits: &mut Edits, node: Node, axis: Vector3<f64>) {
     let axis: [f64; 3] = axis.map(|x| clean(x, 1.0)).into();
     let found = child(node, "axis");
@@ -222,7 +222,7 @@ fn write_axis(robot: &Robot, edits: &mut Edits, node: Node, axis: Vector3<f64>) 
 fn end(robot: &Robot, edits: &mut Edits, joint: Node, tag: &str, link: &str) -> Result<(), EditError> {
     let Some(node) = child(joint, tag) else {
         let place = robot.source.place(joint.range().start, "joint");
-        return Err(EditError::Refused { place, what: format!("its <{tag}> does not stand in the text itself") });
+        return Err(EditError::Refused { place, what: format!("its <{tag}> is not in the text itself") });
     };
     edits.attribute(&robot.source, node, "link", link);
     Ok(())
@@ -239,8 +239,7 @@ fn free_name(robot: &Robot, wanted: &str) -> String {
     name
 }
 
-/// Whether an earlier reroot put the link between `joint` and `fixed` there, which leads from it to the link that it is
-/// named after.
+/// Whether an earlier reroot added the link between `joint` and `fixed`; `fixed` then leads to the link in its name.
 fn is_helper(robot: &Robot, nodes: &Nodes, document: &roxmltree::Document, fixed: usize, joint: usize) -> bool {
     let (fixed, joint) = (&robot.joints[fixed], &robot.joints[joint]);
     let name = &robot.links[fixed.parent].name;
@@ -256,7 +255,7 @@ fn is_helper(robot: &Robot, nodes: &Nodes, document: &roxmltree::Document, fixed
     fixed.kind == JointKind::Fixed && joint.kind.has_one_value() && is_named && is_empty && sits_there && uses() == 3
 }
 
-/// What is given in the root link's frame without naming it would be somewhere else.
+/// Refuses poses in the root link's frame that do not name it, because they would move.
 fn refuse_places_in_the_root_frame(robot: &Robot) -> Result<(), EditError> {
     for element in &robot.elements {
         let found = posed::in_element(element, None);
@@ -264,8 +263,8 @@ fn refuse_places_in_the_root_frame(robot: &Robot) -> Result<(), EditError> {
             found.iter().any(|posed| posed.frame == Frame::Root && !matches!(posed.placed, Placed::Direction(_)));
         if moved {
             let place = robot.source.place(element.at, element.label());
-            let what = "it places something in the frame of the root link, which changes; give it a link with relative_to, \
-                        or take it out";
+            let what = "its pose is in the frame of the root link, which changes; name a link with relative_to, or \
+                        remove it";
             return Err(EditError::Refused { place, what: what.into() });
         }
     }

@@ -1,7 +1,7 @@
-//! Every length times a factor: a robot drawn in other units, or another size of it.
+//! Multiplies every length by a factor: for a robot in other units, or of another size.
 //!
-//! Masses stay; tensors go with the square of the factor. Values of sliding joints are lengths, and so are their limits, speeds, and
-//! what mimic joints make of them.
+//! Masses stay; tensors scale with the square of the factor. Values of prismatic joints are lengths, and so are their
+//! limits, speeds and mimic values.
 
 use crate::Change;
 use crate::claim::{Claim, Compared, Space};
@@ -17,10 +17,12 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 
 /// # Errors
-/// An invalid factor, or a sliding joint whose values stand where they are not understood.
+/// An invalid factor, or values of a prismatic joint where they are not understood.
 pub(crate) fn scale(robot: &Robot, srdf: Option<&SourceText>, factor: f64) -> Result<Change, EditError> {
     if !(factor.is_finite() && factor > 0.0) {
-        return Err(EditError::Words(format!("scale: {factor} is no factor; write a number above 0, such as 0.001")));
+        return Err(EditError::Words(format!(
+            "scale: {factor} is not a factor; write a number above 0, such as 0.001"
+        )));
     }
     let document = parse(robot)?;
     let nodes = Nodes::of(robot, &document)?;
@@ -96,7 +98,7 @@ pub(crate) fn scale(robot: &Robot, srdf: Option<&SourceText>, factor: f64) -> Re
     Ok(Change::of(urdf, srdf, claim, tally, notes))
 }
 
-/// Values of sliding joints outside of their own elements are not searched for: where there are some, that is said.
+/// Refuses values of prismatic joints outside their own elements, which cannot be scaled.
 fn slides_are_understood(robot: &Robot, document: &Document, srdf: Option<&SourceText>) -> Result<(), EditError> {
     for (index, joint) in robot.joints.iter().enumerate().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
         let name = BTreeSet::from([joint.name.as_str()]);
@@ -105,8 +107,8 @@ fn slides_are_understood(robot: &Robot, document: &Document, srdf: Option<&Sourc
             used.node.ancestors().any(|above| matches!(above.tag_name().name(), "transmission" | "ros2_control"))
         });
         if beside.is_some() || srdf.is_some_and(|srdf| srdf.text.contains(&format!("\"{}\"", joint.name))) {
-            let what = "it slides, and its values stand in a transmission, in ros2_control or in the SRDF as well; take those out \
-                        first, and write them anew";
+            let what = "it is prismatic, and a transmission, ros2_control or the SRDF holds values of it; remove \
+                        these first, and add them again";
             return Err(refused_at_joint(robot, index, what));
         }
     }

@@ -1,4 +1,4 @@
-//! Another sense or another zero for a joint: the same motion under other values.
+//! Changes the sense or the zero of a joint: the same motion with other joint values.
 
 use crate::claim::{Claim, Compared, JointMap};
 use crate::error::{self, EditError};
@@ -11,10 +11,10 @@ use denavit_model::nalgebra::Point3;
 use denavit_model::robot::{JointKind, Robot, SourceText};
 use denavit_model::screw::{AxisLine, Screw};
 
-/// The joint counts the other way: its axis is reversed, and every value of it changes its sign.
+/// Reverses the sense of a joint: its axis is reversed, and all its values change sign.
 ///
 /// # Errors
-/// No such joint, a joint without one value, or a transmission that cannot say it.
+/// No such joint, a joint without a single value, or a transmission that cannot express it.
 pub(crate) fn flip(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Result<Change, EditError> {
     let index = one_value(robot, name, "reversed")?;
     let (mut edits, mut tally, mut notes) = (Edits::default(), Tally::default(), Vec::new());
@@ -38,7 +38,7 @@ pub(crate) fn flip(robot: &Robot, srdf: Option<&SourceText>, name: &str) -> Resu
     change(robot, srdf, name, map, (urdf, tally, notes))
 }
 
-/// What the joint read as `zero` reads as 0 afterwards: `zero` goes into its origin.
+/// Moves the zero of a joint to its old value `zero`, which goes into its origin.
 ///
 /// # Errors
 /// As of [`flip`].

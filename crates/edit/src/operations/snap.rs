@@ -1,7 +1,7 @@
-//! Angles and axes that were surely meant as round values become so: `1.5708` a quarter turn.
+//! Replaces angles and axes that clearly mean round values: `1.5708` becomes a quarter turn.
 //!
-//! What is surely meant is found by `denavit_model::intended`, as every other command reads it: a literal that is a
-//! multiple of π cut off or rounded at its last place. A calibrated angle has more digits than that and stays.
+//! `denavit_model::intended` finds the intended value, as for every other command: a literal that is a multiple of π
+//! truncated or rounded at its last place. A calibrated angle has more digits and stays.
 
 use crate::Change;
 use crate::claim::{Claim, Compared};
@@ -95,9 +95,9 @@ impl Snapped<'_> {
 
     fn found(&mut self, place: &str, old: &str, new: &str, bound: f64) {
         self.moves += bound;
-        self.tally.count("number", "numbers", "made round");
+        self.tally.count("number", "numbers", "replaced");
         self.notes.push(if bound > 0.0 {
-            format!("{place}: {old} is {new}; no tip moves by more than {bound:.1e} m for it")
+            format!("{place}: {old} is {new}; this moves no tip by more than {bound:.1e} m")
         } else {
             format!("{place}: {old} is {new}")
         });

@@ -1,4 +1,4 @@
-//! Masses, tensors and shapes: each where it was, or where it was merged into.
+//! Checks masses, tensors and shapes: each is in place, or in the link that it was merged into.
 
 use super::Pair;
 use crate::claim::{Masses, Shapes, Space};
@@ -7,7 +7,7 @@ use denavit_model::nalgebra::{Matrix3, Point3, Vector3};
 use denavit_model::robot::{Geometry, Link, Shape};
 use denavit_model::se3::{self, Pose};
 
-/// Shapes and centres may miss their place by this many times the robot's size, m, and by as much in rad.
+/// Allowed displacement of shapes and centres, relative to the robot's size and in rad.
 const SAME: f64 = 1e-11;
 
 /// Masses and tensors may differ by this, relative.
@@ -109,7 +109,7 @@ pub(super) fn check(pair: &Pair) -> Result<(), String> {
     Ok(())
 }
 
-/// Collision shapes are those of before, one for one, but for those that hold what they stand for.
+/// Collision shapes are unchanged, one by one, except those that enclose the shape that they replace.
 fn only_enclosing_ones_differ(pair: &Pair, came: &[(Pose, &Shape)], link: &Link, size: f64) -> Result<(), String> {
     if came.len() != link.collisions.len() {
         return Err(format!("a collision shape of link \"{}\" would be lost", link.name));
@@ -134,7 +134,7 @@ fn only_enclosing_ones_differ(pair: &Pair, came: &[(Pose, &Shape)], link: &Link,
         if let Some(point) = enclosed.points.iter().find(outside) {
             let name = &link.name;
             return Err(format!(
-                "a corner of a mesh of link \"{name}\" would be outside of its new shape, at {:?}",
+                "a vertex of a mesh of link \"{name}\" would be outside its new shape, at {:?}",
                 point.coords
             ));
         }

@@ -1,4 +1,4 @@
-//! Motion: every frame of the old robot where the claim says, at joint values that move all joints.
+//! Checks the motion: every frame of the old robot is where the claim says, at joint values that move all joints.
 
 use super::{Pair, Proof};
 use denavit_model::PlacedRobot;
@@ -8,10 +8,10 @@ use denavit_model::screw::{AxisLine, Screw};
 use denavit_model::se3::{self, Pose};
 use denavit_model::tree::Reading;
 
-/// Frames may miss their place by this many times the robot's size, m, and by as much in rad.
+/// Allowed displacement of frames, relative to the robot's size and in rad.
 const SAME: f64 = 1e-11;
 
-/// Configurations beside the one with every joint value 0.
+/// Number of configurations in addition to the one with every joint value 0.
 const SAMPLES: usize = 8;
 
 /// Limits may differ by this, relative to the larger of them and 1: rounding of a sum.
@@ -31,7 +31,7 @@ pub(crate) fn size(robot: &Robot) -> f64 {
     if longest > 0.0 { longest } else { 1.0 }
 }
 
-/// What a joint does in one configuration.
+/// The state of a joint in one configuration.
 #[derive(Clone, Copy)]
 enum Setting {
     Value(f64),
@@ -59,7 +59,7 @@ pub(super) fn check_joints(pair: &Pair) -> Result<(), String> {
             (a, b) => a == b,
         };
         if !same_kind {
-            return Err(format!("joint \"{}\" would be of another kind", new.name));
+            return Err(format!("joint \"{}\" would change its kind", new.name));
         }
         let length = if matches!(old.kind, JointKind::Prismatic) { scale } else { 1.0 };
         let near = |a: f64, b: f64| (a - b).abs() <= SAME_LIMIT * a.abs().max(b.abs()).max(1.0);
@@ -77,7 +77,7 @@ pub(super) fn check_joints(pair: &Pair) -> Result<(), String> {
             (a, b) => a == b,
         };
         if !same_range || !same_speed || old.limits.effort != new.limits.effort {
-            return Err(format!("the limits of joint \"{}\" would not be those of before", new.name));
+            return Err(format!("the limits of joint \"{}\" would change", new.name));
         }
         if old.dynamics() != new.dynamics() {
             return Err(format!("damping or friction of joint \"{}\" would change", new.name));
@@ -92,8 +92,8 @@ pub(super) fn check(pair: &Pair) -> Result<Proof, String> {
     let size = size(pair.before) * pair.claim.space.scale;
     let placed = (PlacedRobot::new(pair.before, Reading::AsWritten), PlacedRobot::new(pair.after, Reading::AsWritten));
     let seen_from =
-        pair.before.link_index(&pair.claim.seen_from).ok_or("the link that motion is seen from is missing")?;
-    let (reference, kept) = pair.places[seen_from].ok_or("the link that motion is seen from is not kept")?;
+        pair.before.link_index(&pair.claim.seen_from).ok_or("the reference link of the motion is missing")?;
+    let (reference, kept) = pair.places[seen_from].ok_or("the reference link of the motion is not kept")?;
     let reference_offset = kept.offset;
     let (mut turned_most, mut moved_most, mut frames) = (0.0f64, 0.0f64, 0);
     for sample in 0..=SAMPLES {
@@ -115,7 +115,7 @@ pub(super) fn check(pair: &Pair) -> Result<Proof, String> {
                     continue;
                 }
                 let name = &pair.before.links[index].name;
-                return Err(format!("link \"{name}\" would be {moved:.1e} m and {turned:.1e} rad off its place"));
+                return Err(format!("link \"{name}\" would be displaced by {moved:.1e} m and {turned:.1e} rad"));
             }
             moved_most = moved_most.max(moved);
             turned_most = turned_most.max(turned);
@@ -123,14 +123,14 @@ pub(super) fn check(pair: &Pair) -> Result<Proof, String> {
     }
     let motion = match (pair.claim.space.mirrored, pair.claim.space.scale, pair.claim.moves) {
         (Some(_), ..) => "moves as the mirror image",
-        (None, _, Some(_)) => "moves on purpose,",
+        (None, _, Some(_)) => "moves as intended,",
         (None, scale, None) if scale != 1.0 => "moves as before, scaled,",
         _ => "moves as before",
     };
     Ok(Proof { moved: moved_most, turned: turned_most, samples: SAMPLES + 1, frames, motion })
 }
 
-/// A number in -1 … 1 that depends on joint and sample alone.
+/// A number in -1 … 1 that depends only on joint and sample.
 fn spread(name: &str, sample: usize, salt: f64) -> f64 {
     let seed = name.bytes().fold(0.0, |sum, byte| 0.7 * sum + f64::from(byte));
     (seed + 1.7 * sample as f64 + salt).sin()
@@ -161,7 +161,7 @@ fn setting(joint: &Joint, sample: usize, size: f64) -> Setting {
     }
 }
 
-/// With mimic joints at what their drivers say.
+/// With mimic joints at the values from their drivers.
 fn driven(placed: &PlacedRobot, free: &[Setting]) -> Vec<Setting> {
     let value = |index: usize| match placed.drive(index) {
         Ok(drive) => match drive.driver.map(|driver| free[driver]) {

@@ -31,7 +31,7 @@ pub(super) fn edit(sheet: &mut Sheet, element: Node, name: &str, map: JointMap) 
     Ok(())
 }
 
-/// Of positions zero and sense count, of speeds, accelerations and efforts the sense alone.
+/// Positions depend on zero and sense, speeds, accelerations and efforts only on the sense.
 fn interface(sheet: &mut Sheet, interface: Node, map: JointMap) {
     let kind = interface.attribute("name").unwrap_or_default();
     let map = match kind.rsplit('/').next().unwrap_or(kind) {
@@ -52,7 +52,7 @@ fn interface(sheet: &mut Sheet, interface: Node, map: JointMap) {
         ends.reverse();
         if texts.iter().filter(|end| end.is_some()).count() == 1 {
             let place = sheet.place(interface);
-            sheet.notes.push(format!("{place}: one of min and max is given, and is now the other end; write it anew"));
+            sheet.notes.push(format!("{place}: only one of min and max is given, now the other bound; correct it"));
             return;
         }
     }
@@ -86,7 +86,7 @@ fn parameter(sheet: &mut Sheet, node: Node, name: &str, map: JointMap) {
     if SUSPECT.iter().any(|word| parameter.contains(word)) {
         let place = sheet.place(node);
         sheet.notes.push(format!(
-            "{place}: a parameter of joint \"{name}\" that may depend on its zero or sense; it is not changed, look at it"
+            "{place}: a parameter of joint \"{name}\" that may depend on its zero or sense; it is not changed; check it"
         ));
     }
 }

@@ -1,8 +1,8 @@
 //! Transmissions: joint = actuator / reduction + offset.
 //!
 //! Source: ROS's `transmission_interface`, `simple_transmission.h`, `differential_transmission.h`,
-//! `four_bar_linkage_transmission.h`: reduction and offset of each joint stand in its `<joint>`, those of a simple one's
-//! actuator in `<actuator>`.
+//! `four_bar_linkage_transmission.h`: reduction and offset of each joint are in its `<joint>`, those of the actuator of
+//! a simple transmission in `<actuator>`.
 
 use super::{Sheet, child, text};
 use crate::claim::JointMap;
@@ -13,10 +13,10 @@ use roxmltree::Node;
 /// As ROS 1 and as ros2_control write it.
 const REDUCTIONS: [&str; 2] = ["mechanicalReduction", "mechanical_reduction"];
 
-/// A `<transmission>`, wherever it stands, that has the joint.
+/// Updates a `<transmission>` of the joint, wherever it is.
 ///
 /// # Errors
-/// A coupling of several joints that has no place for the other sense.
+/// A coupling of several joints that cannot express the reversed sense.
 pub(super) fn edit(sheet: &mut Sheet, element: Node, name: &str, map: JointMap) -> Result<(), EditError> {
     let is_joint = |node: &Node| node.is_element() && node.tag_name().name() == "joint";
     let joints: Vec<Node> = element.children().filter(is_joint).collect();
@@ -36,7 +36,7 @@ pub(super) fn edit(sheet: &mut Sheet, element: Node, name: &str, map: JointMap) 
     }
     if map.shift != 0.0 || child(joint, "offset").is_some() {
         match child(joint, "offset") {
-            // 0 is what is meant where none is stated.
+            // A missing offset means 0.
             Some(offset) if map.shift != 0.0 && stated(offset).is_some_and(|old| map.of(old) == 0.0) => {
                 sheet.edits.remove(sheet.source, offset);
             }
@@ -46,7 +46,7 @@ pub(super) fn edit(sheet: &mut Sheet, element: Node, name: &str, map: JointMap) 
             None if is_old(element) => {
                 let place = sheet.place(element);
                 sheet.notes.push(format!(
-                    "{place}: this kind of transmission has no offset; the actuator's zero is not moved with that of \
+                    "{place}: this kind of transmission has no offset; the actuator's zero does not follow that of \
                      joint \"{name}\""
                 ));
                 return Ok(());
@@ -70,7 +70,7 @@ fn kind(element: Node) -> String {
     written.or_else(|| element.attribute("type")).unwrap_or_default().trim().to_owned()
 }
 
-/// The first ROS's, with everything in attributes and the reduction beside the joint.
+/// The form of ROS 1, with everything in attributes and the reduction next to the joint.
 fn is_old(element: Node) -> bool {
     element.has_attribute("type") && child(element, "type").is_none()
 }
@@ -142,8 +142,8 @@ fn add(sheet: &mut Sheet, element: Node, into: Node) {
 
 fn refuse(sheet: &Sheet, element: Node, name: &str) -> Result<(), EditError> {
     let what = format!(
-        "it couples joint \"{name}\" in a way that has no place for the change; take the transmission out of the file, \
-         edit, and write it anew"
+        "it couples joint \"{name}\" in a way that cannot express the change; remove the transmission, edit, and add \
+         it again"
     );
     Err(EditError::Refused { place: sheet.place(element), what })
 }

@@ -1,4 +1,4 @@
-//! Words put where there is room: beside what they name, off the lines, off each other.
+//! Label placement: beside what a label names, clear of lines and of other labels.
 
 use super::strokes::Stroke;
 use super::view::{Frame, Place};
@@ -8,16 +8,16 @@ use serde::Serialize;
 /// Size of the letters, px.
 const SIZE: f64 = 14.5;
 pub(crate) const HEIGHT: f64 = 16.0;
-/// A word farther than this from what it names gets a leader, px.
+/// A label farther than this from what it names gets a leader line, px.
 const LEADER: f64 = 14.0;
-/// Side of a cell of the grid that counts what is drawn, px.
+/// Cell size of the grid that records the amount of drawing, px.
 const CELL: f64 = 3.0;
 /// Free space from the edge of the sheet, px.
 const EDGE: f64 = 4.0;
 const DIRECTIONS: u32 = 32;
 const DISTANCES: [f64; 10] = [3.0, 7.0, 12.0, 19.0, 28.0, 40.0, 56.0, 76.0, 100.0, 130.0];
 
-/// What a word names decides how far it may stray.
+/// What a label names; this determines how far away it may be placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Axis,
@@ -33,7 +33,7 @@ pub(crate) struct Ask {
     pub kind: Kind,
 }
 
-/// A word on the sheet: its middle, and a line to what it names where it is not beside it.
+/// A label on the sheet: its centre, and a leader line if it is not next to what it names.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Label {
     pub text: String,
@@ -80,7 +80,7 @@ impl Area {
     }
 }
 
-/// How much is drawn in any rectangle: a table of sums over cells.
+/// The amount of drawing in any rectangle: a summed-area table of cells.
 struct Ink {
     columns: usize,
     rows: usize,
@@ -128,7 +128,7 @@ impl Ink {
         Self { columns, rows, sums }
     }
 
-    /// What a word in this area would lie on, a hair's breadth around it included.
+    /// How much drawing a label in this area would cover, with a small margin.
     fn under(&self, area: &Area) -> f64 {
         let cell = |at: f64, most: usize| ((at / CELL).max(0.0) as usize).min(most);
         let (wide, high) = (area.half_width + CELL, area.half_height);
@@ -150,7 +150,7 @@ fn width(text: &str) -> f64 {
     text.chars().map(em).sum::<f64>() * SIZE
 }
 
-/// The words that have a place so far, by the band of the sheet that their middles lie in.
+/// The labels placed so far, by the band of the sheet that contains their centres.
 struct Bands {
     words: Vec<Vec<(usize, Area)>>,
     areas: Vec<Option<Area>>,
@@ -190,8 +190,8 @@ impl Bands {
     }
 }
 
-/// Every word with a place: axes first, then lengths, then angles; then each once more with all others in place. Those that
-/// would still lie on another one are left out.
+/// Places every label: axes first, then lengths, then angles; then each once more with all others in place. Labels that
+/// would still overlap another one are omitted.
 pub(crate) fn placed(asks: &[Ask], strokes: &[Stroke], frame: &Frame) -> Vec<Label> {
     let ink = Ink::of(strokes, frame);
     let inside = |ask: &&Ask| {
@@ -241,7 +241,7 @@ fn best(ask: &Ask, others: &Bands, ink: &Ink, frame: &Frame) -> Area {
         Kind::Length | Kind::Angle => 0.4,
     };
     let mut chosen = (f64::INFINITY, Area { x: anchor.x, y: anchor.y, half_width, half_height });
-    // An axis is named at its tip, which already stands off the arrow.
+    // An axis is labelled at its tip, which is already clear of the arrow.
     let start = if ask.kind == Kind::Axis { -(0.7 * half_height) } else { 0.0 };
     for distance in DISTANCES {
         let leader = if distance > LEADER { 5.0 } else { 0.0 };
@@ -268,7 +268,7 @@ fn best(ask: &Ask, others: &Bands, ink: &Ink, frame: &Frame) -> Area {
     chosen.1
 }
 
-/// How many words a leader would run through.
+/// Number of labels that a leader line would cross.
 fn crossings(from: (f64, f64), to: (f64, f64), others: &Bands) -> f64 {
     let runs_through = |area: &&Area| {
         (1..20).any(|k| {

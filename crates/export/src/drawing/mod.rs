@@ -1,9 +1,9 @@
 //! The skeleton of a robot as a figure: joints, common normals, every Denavit-Hartenberg frame and its four numbers.
 //!
 //! ```text
-//! Table ──► scene (3-D, m) ──► View ──► strokes sorted from far to near ──► labels put where there is room ──► SVG
+//! Table ──► scene (3-D, m) ──► View ──► strokes sorted from far to near ──► label placement ──► SVG
 //! ```
-//! Drawn at zero of every coordinate. Frames are those of the distal convention: frame i stands behind row i.
+//! Every coordinate is at zero. Frames follow the distal convention: frame i is the result of row i.
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of a sheet of some thousand px")]
 mod labels;
@@ -34,7 +34,7 @@ pub use view::View;
 const WIDTH: f64 = 960.0;
 const NARROW: f64 = 560.0;
 
-/// How much a figure says.
+/// How much detail a figure has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Detail {
     /// Every frame and every number that is not zero; lengths and angles that the view foreshortens are left out in
@@ -57,10 +57,10 @@ struct Figure<'a> {
     labels: Vec<Label>,
 }
 
-/// The figure as an SVG document that stands alone or inside HTML.
+/// The figure as an SVG document, standalone or inside HTML.
 ///
-/// Units are those of the labels; the drawing is to scale. Where a number lies far beyond the robot's size, the figure
-/// keeps to the arm and the rest runs off its edge.
+/// Units are those of the labels; the drawing is to scale. Where a number far exceeds the robot's size, the figure
+/// shows the arm, and the rest runs off its edge.
 pub fn skeleton(table: &Table, view: View, detail: Detail, units: Units) -> String {
     let width = match (view, detail) {
         (View::Isometric, Detail::Dimensioned) => WIDTH,
@@ -84,7 +84,7 @@ pub fn skeleton(table: &Table, view: View, detail: Detail, units: Units) -> Stri
         .expect("the template names only fields of the figure")
 }
 
-/// Figures beside each other as one SVG document, each with its word above it.
+/// Figures side by side as one SVG document, each with its title above it.
 ///
 /// `figures` are documents that [`skeleton`] made.
 pub fn side_by_side(figures: &[(&str, &str)]) -> String {

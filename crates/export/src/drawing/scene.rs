@@ -18,7 +18,7 @@ const AROUND: f64 = 12.0;
 const BEYOND: f64 = 22.0;
 /// Bodies of joints nearer than this are moved apart.
 const APART: f64 = 28.0;
-/// Of directions that are seen nearly end-on nothing is left to read.
+/// Directions seen nearly end-on are not legible.
 const END_ON: f64 = 0.94;
 /// Lengths tilted more than this (part towards the reader) are not dimensioned in front and side views.
 const FORESHORTENED: f64 = 0.3;
@@ -52,7 +52,7 @@ pub(crate) struct Scene {
     bodies: BTreeMap<[i64; 3], Vec<Point3<f64>>>,
 }
 
-/// Whether the table has lengths that no figure of the robot can show to scale.
+/// Whether the table has lengths that a figure cannot show to scale.
 pub fn far_from_scale(table: &Table) -> bool {
     table.greatest_length() > FAR * size(table)
 }
@@ -119,7 +119,7 @@ pub fn subscript(number: usize) -> String {
 }
 
 impl Scene {
-    /// The figure of a table on a sheet whose scale is known.
+    /// The figure of a table on a sheet of known scale.
     pub fn of(table: &Table, frame: &Frame, detail: Detail, units: Units) -> Self {
         let steps = Step::all(table);
         let mut scene = Self::default();
@@ -292,7 +292,7 @@ struct Arc {
 }
 
 impl Arc {
-    /// An arrow around the axis just beyond the joint's body, for a coordinate whose zero turns nothing.
+    /// An arrow around the axis just beyond the joint's body, for a coordinate with no rotation at zero.
     fn turning(self, joint: Point3<f64>, pixel: f64) -> Self {
         let from = rotation_about(&self.about, -2.3) * self.from;
         Self { at: joint + self.about * (BEYOND * pixel), from, angle: 4.6, radius: AROUND, ..self }

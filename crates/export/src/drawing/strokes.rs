@@ -12,9 +12,9 @@ use std::fmt::Write as _;
 
 /// Length of a piece, px.
 const PIECE: f64 = 12.0;
-/// Pieces reach this far into the next one, so that no seam is seen, px.
+/// Overlap of consecutive pieces, which hides the seam, px.
 const SEAM: f64 = 0.4;
-/// A far-off number would make a million pieces; beyond this they are not needed, px.
+/// Lines are cut off beyond this, because a huge length would give a million pieces, px.
 const LONGEST: f64 = 4000.0;
 /// Corners of a curve in a piece of it.
 const LEGS: usize = 3;
@@ -27,7 +27,7 @@ pub(crate) struct Stroke {
     /// SVG path data.
     pub path: String,
     pub class: &'static str,
-    /// Whether it clears a gap in what lies behind.
+    /// Whether it leaves a gap in what is behind it.
     pub gap: bool,
     #[serde(skip)]
     pub near: f64,
@@ -86,7 +86,7 @@ fn lift(class: &str) -> f64 {
     if class == "link" { 0.0 } else { 3.0 }
 }
 
-/// A line cut into pieces; those that nothing else comes near are one stroke.
+/// A line cut into pieces; pieces with nothing nearby form one stroke.
 fn pieces(line: &Line, places: &[Place], alone: impl Fn(&Place) -> bool) -> Vec<Stroke> {
     if line.class == "reference" {
         let near = places.iter().map(|place| place.near).fold(f64::INFINITY, f64::min);
@@ -135,14 +135,14 @@ fn stroke(places: Vec<Place>, class: &'static str, near: f64, gap: bool) -> Stro
     Stroke { path: path(&places, false), class, gap, near, places }
 }
 
-/// Who comes near which part of the sheet.
+/// Which strokes are near which part of the sheet.
 struct Neighbours {
     columns: usize,
     rows: usize,
     owners: Vec<Option<usize>>,
 }
 
-/// Owner of cells that several lines, or a body, come near.
+/// Owner of cells near several lines or a body.
 const MANY: usize = usize::MAX;
 const CELL: f64 = 7.0;
 

@@ -3,7 +3,7 @@
 use super::Detail;
 use denavit_model::nalgebra::{Point3, Vector3};
 
-/// Where the reader stands; x of the base points forward, z up.
+/// The viewing direction; x of the base points forward, z up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
     /// From ahead: y to the right, z up.
@@ -55,7 +55,7 @@ impl Place {
     }
 }
 
-/// The sheet: what is seen of space and where it lands.
+/// The sheet: which part of space is shown, and where.
 pub(crate) struct Frame {
     pub view: View,
     pub width: f64,
@@ -90,7 +90,7 @@ impl Frame {
         Self { view, width, height: height.round(), pixel, directions, middle }
     }
 
-    /// Where a point lands.
+    /// The position of a point on the sheet.
     pub fn place(&self, point: &Point3<f64>) -> Place {
         let [right, up, near] = self.directions.map(|direction| point.coords.dot(&direction));
         Place {

@@ -1,8 +1,8 @@
 //! CSV in rad and m at full precision: `row,joint,kind,theta,d,alpha,a,beta,pitch,scale`.
 //!
 //! The base row's `kind` holds the convention. The `joint` of a row is the name of the coordinate that moves it, so two
-//! rows of one name move together (a mimic joint and its driver). A name that a spreadsheet would take for a formula has `'`
-//! before it, which the reader takes away.
+//! rows of one name move together (a mimic joint and its driver). A name that a spreadsheet would read as a formula has `'`
+//! before it, which the reader removes.
 
 use super::{Format, RenderError};
 use crate::numbers::exact;
@@ -37,7 +37,7 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
                 )
             }
         };
-        // A Hayati row has no d; an empty cell says so, and beta alone is then read.
+        // A Hayati row has no d: with an empty cell only beta is read.
         let d = row.d.map_or_else(String::new, exact);
         let cells =
             [number(row.theta), d, number(row.alpha), number(row.a), number(row.beta), exact(pitch), exact(scale)];

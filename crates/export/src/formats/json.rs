@@ -1,4 +1,4 @@
-//! JSON in rad and m: everything that is needed to rebuild the chain.
+//! JSON in rad and m: everything needed to rebuild the chain.
 
 use super::{Format, RenderError};
 use crate::sheet::Sheet;
@@ -31,7 +31,7 @@ pub struct TableFile {
     pub source: String,
     /// `distal`, `proximal`, `paper` or `hayati`.
     pub convention: String,
-    /// How the gauge was chosen: `simple`, `paper`, or `file` where the numbers stand in the source.
+    /// How the gauge was chosen: `simple`, `paper`, or `file` where the source has the numbers.
     #[serde(default)]
     pub gauge: String,
     /// Always `m` and `rad`.
@@ -42,10 +42,10 @@ pub struct TableFile {
     pub joints: Vec<JointEntry>,
     /// base, 1 … n, tool.
     pub rows: Vec<RowEntry>,
-    /// The most by which everything read otherwise than written moves the tip, m.
+    /// Upper bound of the tip displacement by all numbers that were not read as written, m.
     #[serde(default)]
     pub tip_moves_at_most: f64,
-    /// What was read otherwise than written, and other findings.
+    /// Numbers not read as written, and other findings.
     #[serde(default)]
     pub notes: Vec<NoteEntry>,
 }
@@ -66,7 +66,7 @@ pub struct CoordinateEntry {
     pub name: String,
     /// `angle` or `length`.
     pub quantity: String,
-    /// Turns without end.
+    /// Continuous joint.
     #[serde(default)]
     pub continuous: bool,
     /// Limits, where stated.
@@ -132,7 +132,7 @@ pub struct NoteEntry {
     pub kind: String,
     /// The sentence that a terminal shows.
     pub message: String,
-    /// File, line and element, where it is about a file.
+    /// File, line and element, if it concerns a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// Counted from 1.
@@ -197,7 +197,7 @@ impl From<&Coordinate> for CoordinateEntry {
 }
 
 impl CoordinateEntry {
-    /// The coordinate that the entry stands for; an unknown quantity counts as an angle.
+    /// The coordinate of the entry; an unknown quantity counts as an angle.
     pub fn coordinate(&self) -> Coordinate {
         let quantity = if self.quantity == "length" { Quantity::Length } else { Quantity::Angle };
         let limits = self.limits.as_ref().map_or_else(Limits::default, |entry| Limits {

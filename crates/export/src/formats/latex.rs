@@ -16,7 +16,7 @@ pub const FORMAT: Format = Format {
 /// Widths of a column and of both in the usual two-column styles, pt.
 const COLUMN: f64 = 240.0;
 const PAGE: f64 = 500.0;
-/// Of \footnotesize, pt: a letter at the average, and what stands between two columns.
+/// In \footnotesize, pt: average width of a letter, and the gap between two columns.
 const LETTER: f64 = 4.6;
 const BETWEEN: f64 = 6.0;
 
@@ -28,7 +28,7 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     };
     let length = sheet.units.length_word();
     let rows = sheet.text_rows(|k| format!("q_{{{k}}}"));
-    // A column that says "revolute" six times is left out.
+    // A column with "revolute" in every row is omitted.
     let mixed = rows.iter().any(|row| !row.kind.is_empty() && row.kind != "revolute");
     let mut head = vec!["row".to_owned(), "joint".to_owned()];
     head.extend(mixed.then(|| "kind".to_owned()));
@@ -97,12 +97,12 @@ fn label(name: &str) -> String {
     if label.is_empty() { "robot".to_owned() } else { label }
 }
 
-/// Text whose long names may be broken behind an underscore.
+/// Text whose long names may be broken after an underscore.
 fn breakable(text: &str) -> String {
     escaped(text).replace("\\_", "\\_\\allowbreak ")
 }
 
-/// Text in which LaTeX's own characters stand for themselves.
+/// Text with LaTeX's special characters escaped.
 fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

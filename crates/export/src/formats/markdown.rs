@@ -27,7 +27,7 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     Ok(out)
 }
 
-/// Text whose letters stand for themselves in Markdown and in HTML, on one line.
+/// Text escaped for Markdown and HTML, on one line.
 pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in one_line(text).chars() {

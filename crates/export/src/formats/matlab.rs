@@ -1,7 +1,7 @@
 //! MATLAB for the Robotics System Toolbox: a `rigidBodyTree`.
 //!
-//! The toolbox' own `'dh'` form overwrites theta by the joint variable, so that offsets are lost: transforms are written
-//! whole instead.
+//! The toolbox's own `'dh'` form overwrites theta with the joint variable, which loses offsets: whole transforms are written
+//! instead.
 
 use super::{Format, RenderError, robotics_toolbox};
 use crate::numbers::exact;

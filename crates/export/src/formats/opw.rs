@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 pub const FORMAT: Format = Format {
     name: "opw",
     extension: "opw.yaml",
-    purpose: "OPW parameters of a six-axis arm, for opw_kinematics; says how near the arm is",
+    purpose: "OPW parameters of a six-axis arm, for opw_kinematics; states the fit error",
     render,
 };
 
@@ -24,13 +24,14 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     let error = format!("{:.6} mm, {:.1e} rad", fit.position_error * 1e3, fit.rotation_error);
     if verdict > Verdict::Close {
         return Err(other(format!(
-            "the nearest arm of this kind is another arm: largest tip error {error} over {CONFIGURATIONS} joint values"
+            "the arm is not of this kind: largest tip error of the nearest one {error} over {CONFIGURATIONS} joint \
+             values"
         )));
     }
     let (name, base, tip) = (one_line(chain.name()), one_line(chain.base()), one_line(chain.tip()));
     let mut out = format!("# {name}: {base} to {tip}; made by denavit; m and rad\n");
     if verdict > Verdict::Exact {
-        out.push_str("# The arm is not exactly of this kind; these are the parameters of one near it.\n");
+        out.push_str("# The arm is not exactly of this kind; these are the parameters of the nearest one.\n");
     }
     let _ = writeln!(out, "# Largest tip error over {CONFIGURATIONS} joint values: {error}.");
     let arm = fit.parameters;

@@ -51,7 +51,7 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     Ok(out)
 }
 
-/// A name as Python text: whatever is no plain letter as its number.
+/// A name as Python text; all but plain characters are written as their code.
 fn text(name: &str) -> String {
     let mut out = String::from("\"");
     for c in name.chars() {
@@ -73,13 +73,13 @@ fn text(name: &str) -> String {
 pub(super) fn check(sheet: &Sheet, cannot: fn(&'static str, &'static str) -> RenderError) -> Result<(), RenderError> {
     let table = sheet.table;
     if sheet.shown_convention() == Convention::Hayati {
-        return Err(cannot("place for Hayati's beta", "take ‹convention› distal or proximal"));
+        return Err(cannot("column for Hayati's beta", "use ‹convention› distal or proximal"));
     }
     if table.joints.iter().any(|joint| matches!(joint.motion, Motion::Helical(_))) {
-        return Err(cannot("helical joint", "take ‹format› json or csv"));
+        return Err(cannot("helical joint", "use ‹format› json or csv"));
     }
     let own = table.joints.iter().enumerate().all(|(index, joint)| joint.coordinate == index && joint.scale == 1.0);
-    if own { Ok(()) } else { Err(cannot("joint that follows another or has a scale", "take ‹format› json or csv")) }
+    if own { Ok(()) } else { Err(cannot("joint that mimics another or has a scale", "use ‹format› json or csv")) }
 }
 
 /// The base's or tool's motion in spatialmath's words.

@@ -45,12 +45,12 @@ pub(crate) fn grid(sheet: &Sheet, style: TableStyle, safe: fn(&str) -> String) -
     let lines: Vec<String> = grid.lines().map(|line| line.trim_end().to_owned()).collect();
     let mut text = lines.join("\n") + "\n";
     if pitched && sheet.units.angle == crate::numbers::AngleUnit::Degree {
-        text.push_str("\nPitches stand before q in d, in m per rad.\n");
+        text.push_str("\nIn d, the number before q is the pitch in m/rad.\n");
     }
     text
 }
 
-/// What must be said with the numbers.
+/// Notes on the numbers.
 pub(crate) fn remarks(sheet: &Sheet) -> String {
     let mut out = String::new();
     let (bound, count) = sheet.displacement_bound();
@@ -58,7 +58,8 @@ pub(crate) fn remarks(sheet: &Sheet) -> String {
         let noun = if count == 1 { "number was" } else { "numbers were" };
         let _ = writeln!(
             out,
-            "\n{count} {noun} read as intended, not as written; the tip moves by at most {} mm (‹exact› reads as written):",
+            "\n{count} {noun} read as intended, not as written; this moves the tip by at most {} mm (‹exact› reads as \
+             written):",
             crate::numbers::decimal(bound * 1e3, if bound < 1e-5 { 6 } else { 3 })
         );
     } else if !sheet.notes.is_empty() {

@@ -16,13 +16,13 @@ fn render(sheet: &Sheet) -> Result<String, RenderError> {
     of_chain(&chain).map(|(text, _)| text).map_err(|error| other(error.to_string()))
 }
 
-/// The file of a chain, and in words what lies between the frame of joint 6 and the tip, where something does.
+/// The file of a chain, and the transform from the frame of joint 6 to the tip in words, if it is not the identity.
 pub(crate) fn of_chain(chain: &Chain) -> Result<(String, Option<String>), KinematicsFileError> {
     let (mut file, flange) = KinematicsFile::of(chain, AngleOrder::Urdf)?;
     if ur_models::model_of(chain).is_none() {
         return Err(KinematicsFileError::OtherArm { robot: chain.name().into(), models: ur_models::names() });
     }
-    // ur_description asks for a mark; the driver compares it with the controller's and warns where they differ.
+    // ur_description requires a hash; the driver compares it with the controller's and warns if they differ.
     file.hash = Some("made_by_denavit".into());
     let mut comments = vec![format!("{}: {} to wrist_3_link; made by denavit", chain.name(), chain.base())];
     let tool = tool_words(&flange, chain.size());

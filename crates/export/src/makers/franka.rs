@@ -8,7 +8,7 @@
 //!   kinematic: …
 //! ```
 //! **Source.** github.com/frankaemika/franka_description, `robots/fer/kinematics.yaml` and `robots/fr3`, which the xacro
-//! files load for joint origins. The controller has its own figures: this file is for what is reckoned in ROS.
+//! files load for joint origins. The controller has its own numbers: this file is only for computations in ROS.
 
 use super::origins::{Origins, other_chain};
 use super::yaml::Scalars;
@@ -33,11 +33,11 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
         return Err(other_chain(chain, MAKER.name, WANTED, format!("{count} joints")));
     }
     let mut left_out = without_effects(calibrated);
-    // The flange; what is bolted to it is no part of the file.
+    // The flange; tools on it are not part of the file.
     let flange = match origins.to_link(chain, "link8")? {
         Some(flange) => {
             if let Some(tool) = tool_words(&(flange.inverse() * origins.tool), chain.size()) {
-                left_out.push(format!("this form ends at the flange; from there to {} it is {tool}", chain.tip()));
+                left_out.push(format!("this format ends at the flange; from there to {} it is {tool}", chain.tip()));
             }
             flange
         }
@@ -55,7 +55,7 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     Ok(Written { text, left_out })
 }
 
-/// Neighbouring axes of every Franka arm are at right angles; no arm's miss it by as much as this, rad.
+/// Neighbouring axes of every Franka arm are at right angles, with a deviation below this, rad.
 const SQUARE: f64 = 0.1;
 
 pub(super) fn read(scalars: &Scalars, robot: &str) -> Result<Chain, KinematicsFileError> {
@@ -69,8 +69,8 @@ pub(super) fn read(scalars: &Scalars, robot: &str) -> Result<Chain, KinematicsFi
             scalars,
             "the joint origins of a Franka arm",
             format!(
-                "axes {} and {} of a Franka arm are at right angles, and here they are not; if the axes of this arm stand \
-                 elsewhere (in its xacro), give the URDF or xacro instead",
+                "axes {} and {} of a Franka arm are at right angles, but here they are not; if this arm's xacro \
+                 defines the axes, give the URDF or xacro instead",
                 at + 1,
                 at + 2
             ),

@@ -24,7 +24,7 @@ pub(super) fn read(scalars: &Scalars, robot: &str) -> Result<Chain, KinematicsFi
     let [above] = &above[..] else {
         let groups: Vec<String> = above.iter().map(|path| path.join(".")).collect();
         return Err(refused(format!(
-            "there are parameters of several groups ({}); keep one in a file",
+            "the file has parameters of several groups ({}); keep one per file",
             groups.join(", ")
         )));
     };

@@ -1,4 +1,4 @@
-//! Joint origins that move as a calibrated chain does, each joint about z of its frame.
+//! Joint origins that reproduce a calibrated chain, each joint about z of its frame.
 
 use super::{Calibrated, MakerError, without_effects};
 use crate::kinematics_yaml;
@@ -9,7 +9,7 @@ use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
 use denavit_model::{Screw, UrdfError};
 
-/// A frame's z may miss the joint's axis by this, rad and times the robot's size.
+/// Allowed deviation of a frame's z from the joint's axis, rad and relative to the robot's size.
 const ON_AXIS: f64 = 1e-9;
 
 /// The origins of a calibrated arm.
@@ -23,7 +23,7 @@ pub(super) struct Origins {
 }
 
 impl Origins {
-    /// Joint origins with the link frames of the drawn tree; without a tree with frames at the feet of common normals.
+    /// Joint origins with the link frames of the nominal tree; without a tree, with frames at the feet of common normals.
     pub fn of(calibrated: &Calibrated, maker: &'static str, wanted: &'static str) -> Result<Self, MakerError> {
         let chain = calibrated.chain;
         // In a tree a zero goes into the origin of its joint.
@@ -74,7 +74,7 @@ pub(super) fn other_chain(chain: &Chain, maker: &'static str, wanted: &'static s
     MakerError::OtherChain { maker, wanted, base: chain.base().to_owned(), tip: chain.tip().to_owned(), found }
 }
 
-/// The tree whose chain moves as the calibrated one.
+/// The tree with the calibrated chain.
 pub(super) fn calibrated_tree(drawn: &Robot, chain: &Chain, reading: Reading) -> Result<Robot, MakerError> {
     let text = urdf::with_chain(drawn, chain, reading)?.value;
     denavit_model::urdf::read("the calibrated URDF", &text).map_err(|error: UrdfError| error.into())
@@ -83,16 +83,16 @@ pub(super) fn calibrated_tree(drawn: &Robot, chain: &Chain, reading: Reading) ->
 /// Changes of an origin below this, m and rad, are rounding.
 pub(super) const NOTHING: f64 = 1e-13;
 
-/// The joints of a drawn robot beside those of the calibrated one, for the forms that say what changes an origin.
+/// The joints of the nominal robot with those of the calibrated one, for formats that store changes of origins.
 pub(super) struct Changes {
-    /// Each joint as drawn and as calibrated.
+    /// Each joint, nominal and calibrated.
     pub joints: Vec<(Joint, Joint)>,
-    /// What such a form has no place for.
+    /// What such a format cannot represent.
     pub left_out: Vec<String>,
 }
 
 impl Changes {
-    /// Those of an arm that was drawn as a tree.
+    /// Those of an arm with a nominal tree.
     pub fn of(calibrated: &Calibrated, maker: &'static str) -> Result<Self, MakerError> {
         let Some((drawn, reading)) = calibrated.drawn else { return Err(MakerError::NeedsTree { maker }) };
         let mut left_out = without_effects(calibrated);
@@ -100,7 +100,7 @@ impl Changes {
         for joint in calibrated_tree(drawn, calibrated.chain, reading)?.joints {
             match drawn.joints.iter().find(|old| old.name == joint.name) {
                 Some(old) => joints.push((old.clone(), joint)),
-                None => left_out.push(format!("joint \"{}\" is new: the form has no place for it", joint.name)),
+                None => left_out.push(format!("joint \"{}\" is new: the format has no place for it", joint.name)),
             }
         }
         Ok(Self { joints, left_out })

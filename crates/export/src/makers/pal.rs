@@ -1,4 +1,4 @@
-//! PAL: `master_calibration.yaml`, what is added to the joint origins of a URDF.
+//! PAL: `master_calibration.yaml`, corrections of the joint origins of a URDF.
 //!
 //! ```text
 //! robot_state_publisher:
@@ -7,8 +7,8 @@
 //!     arm_right_3_droll: 0.0051      # added to its roll, pitch, yaw as the URDF writes them, rad
 //! ```
 //! **Source.** github.com/thanhndv212/figaroh-plus, `src/figaroh/tools/geometric_calibration_export.py`, which writes the file, and
-//! figaroh-examples, `examples/tiago_pro/data/master_calibration_20260805.yaml`, written for a robot of PAL. PAL publishes nothing of
-//! its own: that the numbers are added to the origins is that project's word.
+//! figaroh-examples, `examples/tiago_pro/data/master_calibration_20260805.yaml`, written for a robot of PAL. PAL publishes nothing
+//! itself: that the numbers are added to the origins is stated by that project.
 
 use super::origins::{Changes, NOTHING};
 use super::{Calibrated, KEYS, Maker, MakerError, Written, yaml};
@@ -25,10 +25,10 @@ pub(super) const MAKER: Maker = Maker {
     render,
 };
 
-/// What the keys leave out of a joint's name.
+/// The suffix of a joint's name that the keys omit.
 const END: &str = "_joint";
 
-/// What the numbers stand below.
+/// The keys above the numbers.
 pub(super) const BELOW: &str = "geometric_calibration";
 
 /// The origins of a robot's joints with what the file adds to them.
@@ -78,7 +78,7 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     Ok(Written { text, left_out })
 }
 
-/// What makes the one origin the other, number by number; of the angles that mean the same those nearest to what is written.
+/// The change from one origin to the other, number by number; of equivalent angles those nearest to the written ones.
 fn added(old: &Joint, new: &Joint) -> [f64; 6] {
     let [roll, pitch, yaw] = new.origin.rpy;
     let nearest = |angles: [f64; 3]| -> [f64; 3] {

@@ -1,4 +1,4 @@
-//! Techman: the D-H table of a model and the delta D-H of one arm, as a TM controller gives them.
+//! Techman: the D-H table of a model and the delta D-H of one arm, from a TM controller.
 //!
 //! ```text
 //! DHTable={θ, α, a, d, kind, lower, upper, …}      seven of each joint, degrees and mm
@@ -24,7 +24,7 @@ pub fn is_one(text: &str) -> bool {
     list(text, "DHTable").is_some() && list(text, "DeltaDH").is_some()
 }
 
-/// What stands between the braces behind a name.
+/// The text between the braces after a name.
 fn list<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     let rest = &text[text.find(name)? + name.len()..];
     let inside = rest.trim_start().strip_prefix('=')?.trim_start().strip_prefix('{')?;
@@ -45,7 +45,7 @@ pub fn drawn(text: &str) -> String {
 /// Reads the two lists.
 ///
 /// # Errors
-/// A list is missing, does not go with the other, or holds what is no finite number.
+/// A list is missing, does not match the other, or holds a value that is not a finite number.
 pub fn read(file: &str, robot: &str, text: &str) -> Result<Read, KinematicsFileError> {
     let refused = |what: String| KinematicsFileError::NotThisArm {
         file: file.to_owned(),
@@ -56,14 +56,14 @@ pub fn read(file: &str, robot: &str, text: &str) -> Result<Read, KinematicsFileE
         let inside = list(text, name).ok_or_else(|| refused(format!("{name}={{…}} is missing")))?;
         let number = |word: &str| word.trim().parse::<f64>().ok().filter(|number| number.is_finite());
         let all: Option<Vec<f64>> = inside.split(',').filter(|word| !word.trim().is_empty()).map(number).collect();
-        all.ok_or_else(|| refused(format!("{name} holds what is no number")))
+        all.ok_or_else(|| refused(format!("{name} holds something that is not a number")))
     };
     let (model, arm) = (numbers("DHTable")?, numbers("DeltaDH")?);
     let count = model.len() / OF_MODEL;
     if count == 0 || model.len() != OF_MODEL * count || arm.len() != OF_ARM * count {
         let (has, own) = (model.len(), arm.len());
         return Err(refused(format!(
-            "DHTable has {has} numbers and DeltaDH {own}; of each joint there are {OF_MODEL} and {OF_ARM}"
+            "DHTable has {has} numbers and DeltaDH {own}; each joint needs {OF_MODEL} and {OF_ARM}"
         )));
     }
     let nothing = |label| ConventionRow { label, theta: None, d: None, alpha: None, a: None, beta: None };

@@ -9,10 +9,8 @@ pub(super) const MAKER: Maker =
 fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     let (text, tool) = ur_kinematics::of_chain(calibrated.chain)?;
     let mut left_out = without_effects(calibrated);
-    left_out.extend(
-        tool.map(|tool| {
-            format!("this form ends at wrist_3_link; from there to {} it is {tool}", calibrated.chain.tip())
-        }),
-    );
+    left_out.extend(tool.map(|tool| {
+        format!("this format ends at wrist_3_link; from there to {} it is {tool}", calibrated.chain.tip())
+    }));
     Ok(Written { text, left_out })
 }

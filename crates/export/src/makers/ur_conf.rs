@@ -1,4 +1,4 @@
-//! Universal Robots: `calibration.conf` of a controller, what a single arm adds to the ideal table of its model.
+//! Universal Robots: `calibration.conf` of a controller, the corrections of one arm to the ideal table of its model.
 //!
 //! ```text
 //! [mounting]
@@ -39,17 +39,17 @@ pub fn is_one(text: &str) -> bool {
 /// Reads the file of an arm of this model.
 ///
 /// # Errors
-/// No model or none that is known, a list is missing or has not six finite numbers, or stands twice.
+/// The model is missing or unknown, or a list is missing, appears twice, or does not have six finite numbers.
 pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<Read, KinematicsFileError> {
     let refused = |what: String| KinematicsFileError::NotThisArm {
         file: file.to_owned(),
         form: "calibration.conf of a Universal Robots controller",
         what,
     };
-    let known = || format!("say {MODEL_ARGUMENT}:=MODEL, which is one of {}", names());
+    let known = || format!("add {MODEL_ARGUMENT}:=MODEL, one of {}", names());
     let Some(model) = model else {
         return Err(refused(format!(
-            "it says what this arm adds to the ideal table of its model, and not which model; {}",
+            "it holds the corrections to the ideal table of the model, but does not name the model; {}",
             known()
         )));
     };
@@ -77,25 +77,25 @@ pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<
         match (list, key) {
             (Some(list), _) => {
                 if lists[list].is_some() {
-                    return Err(refused(format!("line {}: {key} stands twice; remove one", index + 1)));
+                    return Err(refused(format!("line {}: {key} appears twice; remove one", index + 1)));
                 }
                 let numbers = six(value);
                 lists[list] = Some(numbers.ok_or_else(|| {
                     refused(format!(
-                        "line {}: {key} is \"{}\"; six finite numbers in brackets belong here",
+                        "line {}: {key} is \"{}\"; write six finite numbers in brackets",
                         index + 1,
                         quoted(value)
                     ))
                 })?);
                 inventory.understand();
             }
-            // The joints' own marks: nothing that moves.
+            // The joints' checksums, without effect on the kinematics.
             (None, "joint_checksum") if section == "mounting" => inventory.carry(place(key), key),
             (None, "calibration_status") if section == "mounting" => {
                 inventory.understand();
                 if value != "2" {
                     assumed.push(format!(
-                        "{file}:{}: calibration_status is {}; 2 is that of a calibrated arm",
+                        "{file}:{}: calibration_status is {}; a calibrated arm has 2",
                         index + 1,
                         quoted(value)
                     ));
@@ -103,7 +103,7 @@ pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<
             }
             _ => {
                 let place = place(&format!("key \"{}\"", quoted(key)));
-                let what = "the key is not understood, and not read".to_owned();
+                let what = "the key is unknown and was ignored".to_owned();
                 inventory.report(place.clone(), what.clone());
                 notes.push(Note::NotUnderstood { place, what });
             }
@@ -124,11 +124,11 @@ pub fn read(file: &str, robot: &str, text: &str, model: Option<&str>) -> Result<
 
 pub(super) const MAKER: Maker = Maker {
     name: "ur-conf",
-    purpose: "the delta lists of a controller's calibration.conf, d2 to d4 of any size as the controller has them",
+    purpose: "the delta lists of a controller's calibration.conf; d2 to d4 may have any size, as in the controller",
     render,
 };
 
-/// What the arm adds to the ideal table of its model, in the four numbers of the controller.
+/// The arm's corrections to the ideal table of its model, in the controller's four lists.
 fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     let chain = calibrated.chain;
     let other = |found: String| MakerError::OtherChain {
@@ -169,14 +169,13 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     let mut left_out = without_effects(calibrated);
     for (what, pose) in [("base", &found.base), ("flange", &found.tool)] {
         let words = tool_words(pose, chain.size());
-        left_out.extend(
-            words.map(|words| {
-                format!("a controller's table has no numbers for its {what}, which stands off by {words}")
-            }),
-        );
+        left_out.extend(words.map(|words| {
+            format!("a controller's table has no numbers for the {what} frame, which is displaced by {words}")
+        }));
     }
     left_out.push(format!(
-        "the controller's checksum is not in it: no controller takes this file; `denavit table FILE {MODEL_ARGUMENT}:={name}` reads it"
+        "the file lacks the controller's checksum, so no controller accepts it; `denavit table FILE \
+         {MODEL_ARGUMENT}:={name}` reads it"
     ));
     Ok(Written { text, left_out })
 }

@@ -1,4 +1,4 @@
-//! The ideal arms of Universal Robots, and whether a chain is one of them.
+//! The ideal arms of Universal Robots, and which of them a chain is.
 
 use denavit_dh::{Convention, ConventionRow, Motion, RowLabel, Table, TableJoint};
 use denavit_model::chain::{Chain, Coordinate, Quantity};
@@ -47,7 +47,7 @@ impl Model {
         [(d1, 0.0), (0.0, a2), (0.0, a3), (d4, 0.0), (d5, 0.0), (d6, 0.0)]
     }
 
-    /// Its table with what one arm adds to theta, d, alpha, a of each row.
+    /// Its table with the corrections of one arm to theta, d, alpha, a of each row.
     pub fn table(&self, robot: &str, added: &[[f64; 4]; 6]) -> Result<Table, denavit_dh::conventions::RowsError> {
         let nothing = |label| ConventionRow { label, theta: None, d: None, alpha: None, a: None, beta: None };
         let mut rows = vec![nothing(RowLabel::Base)];
@@ -75,7 +75,7 @@ impl Model {
     }
 }
 
-/// An arm's axes may miss a model's by this: no factory's calibration comes near it. rad and m.
+/// Allowed deviation of an arm's axes from a model's, far above any factory calibration, rad and m.
 const ANGLE: f64 = 0.03;
 const LENGTH: f64 = 0.012;
 
@@ -96,7 +96,7 @@ fn relations(chain: &Chain) -> Option<Vec<(f64, f64)>> {
     Some(found)
 }
 
-/// The model whose arm this is, within what calibrations differ by: of several the nearest, of those alike the first.
+/// The model of this arm, up to the size of a calibration: the nearest one, of identical ones the first.
 pub(crate) fn model_of(chain: &Chain) -> Option<&'static str> {
     let own = relations(chain)?;
     let mut nearest: Option<(f64, &'static str)> = None;

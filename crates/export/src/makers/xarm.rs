@@ -6,8 +6,8 @@
 //!   joint2: …                               # 5, 6 or 7 of them
 //! ```
 //! **Source.** github.com/xArm-Developer/xarm_ros2, `xarm_description/config/kinematics/gen_kinematics_params.py`, which
-//! reads the figures of an arm (made after August 2023) from its controller, and the files in
-//! `xarm_description/config/kinematics/default` of xarm_ros; the xacro files give them to joint origins as they stand, so
+//! reads the calibration of an arm (made after August 2023) from its controller, and the files in
+//! `xarm_description/config/kinematics/default` of xarm_ros; the xacro files use them unchanged as joint origins, so
 //! R = Rz(yaw) Ry(pitch) Rx(roll).
 
 use super::origins::{Origins, other_chain};
@@ -43,7 +43,7 @@ fn render(calibrated: &Calibrated) -> Result<Written, MakerError> {
     if let Some(tool) = tool_words(&origins.tool, chain.size()) {
         let _ = writeln!(text, "# from the frame of joint {count} to {}: {tool}", one_line(chain.tip()));
         left_out
-            .push(format!("this form ends at the frame of joint {count}; from there to {} it is {tool}", chain.tip()));
+            .push(format!("this format ends at the joint {count} frame; from there to {} it is {tool}", chain.tip()));
     }
     text.push_str("kinematics:\n");
     for (index, (_, origin)) in origins.joints.iter().enumerate() {

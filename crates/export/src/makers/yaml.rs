@@ -1,4 +1,4 @@
-//! The scalars of a YAML document by their paths, and which of them a reader has read.
+//! The scalars of a YAML document by path, and which of them were read.
 
 use super::KEYS;
 use crate::kinematics_yaml::KinematicsFileError;
@@ -18,13 +18,13 @@ pub(crate) struct Scalars {
 struct Scalar {
     path: Vec<String>,
     text: String,
-    /// What stands behind its `!`.
+    /// The text after its `!`.
     tag: Option<String>,
     line: usize,
     read: Cell<bool>,
 }
 
-/// A table as cells: words on it, headings, rows; each with its line.
+/// A table as cells: statements about it, headings, rows; each with its line.
 pub(crate) struct Cells {
     pub words: Vec<(usize, String)>,
     pub headings: Vec<String>,
@@ -55,12 +55,12 @@ impl Scalars {
                 Event::DocumentStart(_) => {
                     documents += 1;
                     if documents > 1 {
-                        return Err(refused("a second document begins here; keep one in a file".into()));
+                        return Err(refused("a second document begins here; keep one per file".into()));
                     }
                 }
                 Event::Alias(_) => return Err(refused("aliases are not read; write the value itself".into())),
                 Event::MappingStart(..) | Event::SequenceStart(..) if is_key => {
-                    return Err(refused("a key is a list or a map; write a word".into()));
+                    return Err(refused("a key is a list or a map; use a plain word as key".into()));
                 }
                 Event::MappingStart(..) => levels.push(Level::Map { key: None, seen: Vec::new() }),
                 Event::SequenceStart(..) => levels.push(Level::List(0)),
@@ -72,7 +72,7 @@ impl Scalars {
                     if let (true, Some(Level::Map { key, seen })) = (is_key, levels.last_mut()) {
                         let value = value.into_owned();
                         if seen.contains(&value) {
-                            return Err(refused(format!("the key \"{}\" stands twice; remove one", quoted(&value))));
+                            return Err(refused(format!("the key \"{}\" appears twice; remove one", quoted(&value))));
                         }
                         seen.push(value.clone());
                         *key = Some(value);
@@ -89,7 +89,7 @@ impl Scalars {
         Ok(Self { file: file.to_owned(), all })
     }
 
-    /// Whether something stands below this path.
+    /// Whether there is anything below this path.
     pub fn has(&self, path: &[&str]) -> bool {
         self.all
             .iter()
@@ -109,8 +109,8 @@ impl Scalars {
         found
     }
 
-    /// The rows of a D-H table: maps in a list, or under names, in one place of the document. Scalars beside it that say how
-    /// it is written come as words.
+    /// The rows of a D-H table: maps in a list, or under names, in one place of the document. Scalars next to it that state
+    /// convention or units are returned as words.
     pub fn table(&self) -> Option<Cells> {
         let row_of = |scalar: &Scalar| scalar.path.len().checked_sub(2).map(|at| scalar.path[..=at].to_vec());
         let mut places: Vec<Vec<String>> = Vec::new();
@@ -184,8 +184,8 @@ impl Scalars {
         self.find(path).map(|scalar| scalar.text.as_str())
     }
 
-    /// The number at a path, in m or rad; `None` where nothing stands. `deg(90)` and `!degrees 90` say their unit, as ROS
-    /// reads them.
+    /// The number at a path, in m or rad; `None` if there is none. `deg(90)` and `!degrees 90` state their unit, as in
+    /// ROS.
     pub fn number(&self, path: &[&str], quantity: Quantity) -> Result<Option<f64>, KinematicsFileError> {
         let Some(scalar) = self.find(path) else { return Ok(None) };
         let text = scalar.text.trim();
@@ -224,7 +224,7 @@ impl Scalars {
         Ok(numbers)
     }
 
-    /// What the reader has read, and a note for everything else.
+    /// Notes on everything that was not read, and the inventory.
     pub fn account(&self) -> (Vec<Note>, Inventory) {
         let mut inventory = Inventory::default();
         let mut notes = Vec::new();
@@ -235,7 +235,7 @@ impl Scalars {
             }
             let element = format!("key \"{}\"", quoted(&scalar.path.join(".")));
             let place = Place { file: self.file.clone(), line: scalar.line, element };
-            let what = "the key is not understood, and not read".to_owned();
+            let what = "the key is unknown and was ignored".to_owned();
             inventory.report(place.clone(), what.clone());
             notes.push(Note::NotUnderstood { place, what });
         }
@@ -262,7 +262,7 @@ fn value_ends(levels: &mut [Level]) {
     }
 }
 
-/// A name as a key of a YAML map: as it is where it is plain, else in quotes.
+/// A name as a key of a YAML map, in quotes unless it is plain.
 pub(crate) fn key(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
     let is_word = name.chars().all(plain) && name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
@@ -287,7 +287,7 @@ mod tests {
         assert!(error.contains("f.yaml:3: a.c.y is \"!furlongs 1\""), "{error}");
         assert!(scalars.account().0.is_empty());
         for (text, said) in [
-            ("a: 1\na: 2\n", "the key \"a\" stands twice"),
+            ("a: 1\na: 2\n", "the key \"a\" appears twice"),
             ("a: &x 1\nb: *x\n", "aliases are not read"),
             ("a: 1\n---\nb: 2\n", "a second document"),
             ("? [1, 2]\n: 3\n", "a key is a list"),

@@ -1,4 +1,4 @@
-//! What a document says, as text ready for the templates.
+//! The content of a document, as text for the templates.
 
 use super::outline::outline_svg;
 use super::workspace::{SEED, Workspace};
@@ -15,7 +15,7 @@ use denavit_model::settings::plain;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Everything that a page shows but its 3-D view.
+/// Everything on a page except the 3-D view.
 #[derive(Serialize)]
 pub(super) struct Content {
     pub name: String,
@@ -41,7 +41,7 @@ pub(super) struct Chapter {
     pub slug: String,
     pub freedom: usize,
     pub far: bool,
-    /// Too many joints to name in a figure.
+    /// Too many joints to label in a figure.
     pub many: bool,
     pub figures: Vec<Named>,
     pub tables: Vec<Grid>,
@@ -127,7 +127,7 @@ impl Content {
 /// Branches that are named one by one.
 const MOST_BRANCHES: usize = 12;
 
-/// A figure of more joints than this has no room for their names.
+/// A figure with more joints than this has no room for their names.
 const NAMED: usize = 60;
 
 impl Chapter {
@@ -292,7 +292,7 @@ fn limits(document: &Document) -> Vec<Vec<String>> {
     listed.iter().enumerate().map(|(k, coordinate)| row(symbol(k), coordinate)).collect()
 }
 
-/// Hundredths of a degree, tenths of a millimetre: no limit is known better.
+/// Hundredths of a degree, tenths of a millimetre: limits are not more precise.
 fn rounded(value: f64, quantity: Quantity, units: Units) -> String {
     let places = match (quantity, units.angle, units.length) {
         (Quantity::Angle, AngleUnit::Degree, _) => 2,
@@ -360,7 +360,7 @@ fn masses(robot: &Robot, units: Units) -> Option<Masses> {
     Some(Masses { rows: rows.collect(), total: decimal(total, 3), massless: robot.links.len() - carrying.len() })
 }
 
-/// Four digits that count.
+/// Four significant digits.
 fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();
@@ -383,8 +383,8 @@ fn envelope(workspace: &Workspace, units: Units) -> Envelope {
         beside: outline_svg(&workspace.beside(), across, "z", units),
         above: outline_svg(&workspace.above(), "x", "y", units),
         words: format!(
-            "Outline of the tip's places at {} postures (low-discrepancy sequence, seed {SEED}), some of them moved on to the border: {}. \
-             Farthest from the base's origin: {}.",
+            "Outline of the tip positions at {} postures (low-discrepancy sequence, seed {SEED}), some of them moved \
+             to the border: {}. Farthest from the base origin: {}.",
             workspace.postures,
             bounds.join(", "),
             reach_words(workspace.reach, units)

@@ -1,10 +1,10 @@
-//! A posture whose coordinates are moved one at a time towards a goal, at the price of one joint each.
+//! Coordinate ascent of a posture towards a goal: each step moves one coordinate and costs one joint motion.
 
 use denavit_model::chain::Chain;
 use denavit_model::nalgebra::Point3;
 use denavit_model::se3::Pose;
 
-/// A posture on its way.
+/// A posture during the ascent.
 ///
 /// ```text
 /// tip = motion_1 ··· motion_i-1 · motion_i · behind_i+1     the first factors and the last point are known in a pass
@@ -67,7 +67,7 @@ impl<'a> CoordinateAscent<'a> {
     }
 
     /// Each coordinate once: moved by the step (a part of its range) one way or the other where that is higher. Calls `reached`
-    /// with every place that was, and says whether there was one.
+    /// with every position reached, and returns whether there was one.
     pub fn pass(
         &mut self,
         step: f64,

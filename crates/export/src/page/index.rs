@@ -14,9 +14,9 @@ pub struct Card {
     pub name: String,
     /// `6R`, `RRPH`, …
     pub kinds: String,
-    /// How many numbers move it, all branches counted.
+    /// Degrees of freedom, all branches counted.
     pub freedom: usize,
-    /// Farthest place of the main chain's tip from its base's origin, with its unit; empty where nothing moves.
+    /// Largest distance of the main chain's tip from its base origin, with its unit; empty if nothing moves.
     pub reach: String,
     /// Where it came from.
     pub source: String,
@@ -52,7 +52,7 @@ impl Card {
     }
 }
 
-/// The index page: one file of HTML that links to the pages beside it.
+/// The index page: one HTML file with links to the pages in the same folder.
 pub fn index(title: &str, cards: &[Card]) -> String {
     #[derive(Serialize)]
     struct Index<'a> {

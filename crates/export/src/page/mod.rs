@@ -1,13 +1,13 @@
-//! A robot's document: one HTML page that needs nothing else, or Markdown with figures, and the index of a fleet.
+//! A robot's document: one self-contained HTML page, or Markdown with figures, and the index of a fleet.
 //!
 //! ```text
 //! Document ──► content (numbers as people write them) ──┬─► templates/page.html + style + scene.js ──► HTML
 //!      │                                                └─► templates/page.md ──► Markdown, SVG files
 //!      └─────► motion (screw axes at full precision) ──► the page's 3-D view
 //! ```
-//! The 3-D view is a script of our own, `templates/scene.js`: it draws line segments on a 2-D canvas. The plotly script
-//! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and writes to the console where there is none.
-//! A [`Solid`] view is laid over it where the caller has one: the explorer's, with shapes; without WebGL the segments stay.
+//! The script of the 3-D view is `templates/scene.js`: it draws line segments on a 2-D canvas. The plotly script
+//! that the crate plotly can embed makes each page 4.65 MB, needs WebGL, and logs errors without it.
+//! If the caller has a [`Solid`] view (the explorer's, with shapes), it covers the segments; without WebGL they stay visible.
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "digits of a number")]
 mod content;
@@ -41,7 +41,7 @@ pub struct ChainPart {
     pub chain: Chain,
     /// Its Denavit-Hartenberg numbers.
     pub table: Table,
-    /// What was read otherwise than it is written, and other findings, of this chain.
+    /// Numbers not read as written, and other findings, of this chain.
     pub notes: Vec<Note>,
     /// How the gauge was chosen, a sentence.
     pub gauge: String,
@@ -65,7 +65,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// The main chain and those that start at the same link: they can stand in one picture.
+    /// The main chain and those that start at the same link: one picture can show them.
     fn parts_from_one_base(&self) -> Vec<&ChainPart> {
         let base = self.main.chain.base();
         std::iter::once(&self.main).chain(self.others.iter().filter(|part| part.chain.base() == base)).collect()
@@ -79,12 +79,12 @@ struct Branches {
     freedom: usize,
     /// Floating joints.
     floating: usize,
-    /// Base, tip and joint values of each chain that is no part of another.
+    /// Base, tip and number of joint values of each chain that is not part of another.
     chains: Vec<(String, String, usize)>,
 }
 
 impl Document {
-    /// The branches, where other joints move the robot than those of the main chain.
+    /// The branches, if the robot has movable joints outside the main chain.
     fn branches(&self) -> Option<Branches> {
         let robot = self.robot.as_ref()?;
         let placed = PlacedRobot::new(robot, Reading::AsWritten);
@@ -116,7 +116,7 @@ impl Document {
 }
 
 impl Branches {
-    /// `tree of 4 branches`; `None` where one chain has every joint value, such as an arm's to the finger of its gripper.
+    /// `tree of 4 branches`; `None` if one chain has every joint value, such as an arm with one gripper finger.
     fn words(&self) -> Option<String> {
         let count = self.chains.len();
         (count > 1).then(|| format!("tree of {count} branches"))
@@ -171,7 +171,7 @@ fn html_page(document: &Document, solid: Option<&Solid>) -> String {
     render("page.html", include_str!("../../templates/page.html"), &page)
 }
 
-/// Markdown for a repository's folder of documents, and the figures beside it; names start with `stem`.
+/// Markdown for a repository's folder of documents, and its figures; names start with `stem`.
 pub fn markdown(document: &Document, stem: &str) -> Vec<File> {
     #[derive(Serialize)]
     struct Page<'a> {

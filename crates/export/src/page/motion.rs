@@ -1,4 +1,4 @@
-//! What the 3-D view moves: screw axes at zero, frames and links, each with the joint that carries it.
+//! Data of the 3-D view: screw axes at zero, frames and links, each with its carrying joint.
 
 use super::{ChainPart, Document};
 use crate::drawing::far_from_scale;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 #[derive(Serialize)]
 struct Scene {
     robot: String,
-    /// m; what the first view must hold.
+    /// m; what the initial view must contain.
     size: f64,
     coordinates: Vec<Slider>,
     chains: Vec<Moving>,
@@ -91,7 +91,7 @@ pub(super) fn json(document: &Document) -> String {
 
 fn slider(coordinate: &Coordinate) -> Slider {
     let (lower, upper) = coordinate.range();
-    // Zero is the pose that the figures show; limits that are equal leave a joint that stands still.
+    // Zero is the pose in the figures; a joint with equal limits does not move.
     Slider { name: coordinate.name.clone(), turns: coordinate.quantity == Quantity::Angle, lower, upper }
 }
 
@@ -132,7 +132,7 @@ fn moving(part: &ChainPart, places: &BTreeMap<&str, usize>) -> Moving {
     Moving { coordinates: indices, joints, home: twelve(&home), frames: triads, links }
 }
 
-/// Along d and a of every row, and along what a slide has moved.
+/// Along d and a of every row, and along the travel of a prismatic joint.
 fn row_links(part: &ChainPart, frames: &[Pose], home: &Pose) -> Vec<Link> {
     let mut links = Vec::new();
     let mut before = Pose::identity();
@@ -154,7 +154,7 @@ fn row_links(part: &ChainPart, frames: &[Pose], home: &Pose) -> Vec<Link> {
     links
 }
 
-/// From axis to axis by their nearest points: for tables whose common normals lie far away.
+/// From axis to axis by their nearest points: for tables with distant common normals.
 fn arm_links(chain: &Chain, home: &Pose) -> Vec<Link> {
     let mut links = Vec::new();
     let mut zero = Pose::identity();

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// The explorer's 3-D view for a page.
 #[derive(Debug, Clone)]
 pub struct Solid<'a> {
-    /// The view: JavaScript that can stand in a script element.
+    /// The view: JavaScript for a script element.
     pub script: &'a str,
     /// How the robot's angles are read.
     pub reading: Reading,
@@ -21,7 +21,7 @@ pub struct Solid<'a> {
 }
 
 impl Solid<'_> {
-    /// What the view draws, safe inside a script element; none of a robot without links, such as a table.
+    /// What the view draws, safe inside a script element; empty for a robot without links, such as a table.
     pub(super) fn json(&self, document: &Document) -> Option<String> {
         let robot = document.robot.as_ref()?;
         let chains: Vec<Value> = document.parts_from_one_base().into_iter().map(|part| chain(part, document)).collect();
@@ -31,7 +31,7 @@ impl Solid<'_> {
     }
 }
 
-/// The chain's coordinates in its own order, and its table; none where its frames stand far away from the robot.
+/// The chain's coordinates in its own order, and its table; none if its frames are far from the robot.
 fn chain(part: &ChainPart, document: &Document) -> Value {
     let coordinates: Vec<&str> = part.chain.coordinates().iter().map(|own| own.name.as_str()).collect();
     let sheet = Sheet {

@@ -5,7 +5,7 @@ use denavit_model::chain::Chain;
 use denavit_model::nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
 
-/// Postures that are tried, fewer where the motions of all joints of a chain would be more than these.
+/// Number of postures tried; fewer for chains whose joint motions would exceed this number in total.
 const POSTURES: usize = 40_000;
 const FEWEST: usize = 1_000;
 const MOTIONS: usize = 4_000_000;
@@ -14,12 +14,12 @@ pub(super) const SEED: u32 = 1;
 /// Cells along the longer side of an outline.
 const CELLS: usize = 96;
 
-/// The places of the tip, and the farthest.
+/// The reachable positions of the tip, and the farthest one.
 pub(super) struct Workspace {
     places: Vec<Point3<f64>>,
     /// Postures that were tried.
     pub postures: usize,
-    /// Farthest place of the tip from the base's origin, m: found, so the true one is not smaller.
+    /// Largest distance found of the tip from the base origin, m: a lower bound.
     pub reach: f64,
     /// Smallest and largest coordinates of the tip, m.
     pub bounds: [(f64, f64); 3],
@@ -35,7 +35,7 @@ pub(super) struct Outline {
     pub bottom: f64,
     pub wide: f64,
     pub high: f64,
-    /// Whether what lies left of `left` is a mirror image and not to be shown.
+    /// Whether the part left of `left` is a mirror image that is not shown.
     pub half: bool,
 }
 
@@ -90,7 +90,7 @@ impl Workspace {
         if !self.turns_about_z {
             return outline(self.places.iter().map(|place| (place.x, place.z)).collect());
         }
-        // With its mirror image, so that no border is drawn along the z axis where there is none.
+        // With its mirror image, to avoid a false border along the z axis.
         let both = self.places.iter().flat_map(|place| {
             let across = place.x.hypot(place.y);
             [(across, place.z), (-across, place.z)]
@@ -107,11 +107,11 @@ impl Workspace {
 
 /// One posture in this many is moved towards the border: uniform samples are rare there.
 const PUSHED: usize = 32;
-/// Places of the first coordinate that each of those is tried at.
+/// Values of the first coordinate tried for each of those.
 const SWEEP: u32 = 24;
 
-/// Moves postures outwards, each along the line from the middle of all places, every second one level, by a few
-/// coordinate steps, and then through the range of the first coordinate; adds where they come to.
+/// Moves postures outwards by a few coordinate steps, each along the line from the centre of all positions (every second
+/// one horizontally), and then through the range of the first coordinate; adds the positions reached.
 fn border(chain: &Chain, ranges: &[(f64, f64)], postures: &[Vec<f64>], places: &mut Vec<Point3<f64>>) {
     let sum = places.iter().fold(Vector3::zeros(), |sum, place| sum + place.coords);
     let middle = sum / places.len().max(1) as f64;
@@ -142,7 +142,7 @@ fn additive_steps(count: usize) -> Vec<f64> {
     (1..=count).map(|k| phi.powi(-i32::try_from(k).unwrap_or(i32::MAX))).collect()
 }
 
-/// Passes of the ascent to the farthest place; arms of few joints need some dozens.
+/// Passes of the ascent to the farthest position; arms with few joints need some dozens.
 const PASSES: usize = 400;
 
 /// Climbs from the farthest posture, one coordinate at a time, with smaller and smaller steps.
@@ -194,7 +194,7 @@ fn outline(points: Vec<(f64, f64)>) -> Outline {
     }
 }
 
-/// Fills holes and notches that are only gaps between samples: grown by a cell, then shrunk by it.
+/// Fills holes and notches that are only gaps between samples: dilation and erosion by one cell.
 fn closing(filled: &[bool], columns: usize, rows: usize) -> Vec<bool> {
     let spread = |cells: &[bool], wanted: bool| -> Vec<bool> {
         (0..cells.len())
@@ -259,7 +259,7 @@ fn rings(filled: &[bool], columns: usize, rows: usize) -> Vec<Vec<(f64, f64)>> {
     rings
 }
 
-/// Each point moved to the mean of five: the steps of the cells go, the shape stays.
+/// Replaces each point by the mean of five, which smooths the steps of the cells.
 fn smoothed(ring: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let count = ring.len();
     let mean = |index: usize| {

@@ -13,7 +13,7 @@ pub(super) struct Cell {
     pub unit: Option<Unit>,
     /// The constant's digits with their sign, where it is a plain decimal.
     pub literal: Option<String>,
-    /// The joint's variable and what stands before it.
+    /// The joint's variable and its factor.
     pub variable: Option<Variable>,
 }
 
@@ -25,11 +25,11 @@ pub(super) struct Variable {
     pub factor: f64,
 }
 
-/// Brackets and signs in a cell go no deeper than this; none that a person writes does.
+/// Maximum nesting of brackets and signs in a cell, more than anyone writes.
 const DEPTH: usize = 32;
 
 impl Cell {
-    /// Reads a cell of a column that counts `quantity`; `None` where it is no number. A lone dash is 0.
+    /// Reads a cell of a column of `quantity`; `None` if it is not a number. A lone dash is 0.
     pub fn of(text: &str, quantity: Quantity) -> Option<Self> {
         let mut text = plain(&text.trim().to_lowercase());
         text.retain(|c| !"$\\{}`".contains(c));
@@ -37,7 +37,7 @@ impl Cell {
             return Some(Self { constant: 0.0, unit: None, literal: None, variable: None });
         }
         let text = with_points(&text)?;
-        // "π/2 rad" says twice what it is in.
+        // "π/2 rad" states its unit twice.
         let text = text.strip_suffix("rad").filter(|_| text.contains(['π', 'i'])).unwrap_or(&text).trim_end();
         let mut reader = Reader { left: text, has_pi: false, unit: None, quantity, depth: 0 };
         let sum = reader.sum()?;
@@ -150,7 +150,7 @@ impl Reader<'_> {
                 let rest = rest.trim_start();
                 rest.is_empty() || rest.starts_with(['+', '-', ')'])
             }) {
-                // A star behind marks what moves.
+                // A trailing star marks the variable.
                 self.take('*');
                 if product.variable.is_none() {
                     return (product.constant == 0.0).then(|| Sum {

@@ -3,7 +3,7 @@
 use denavit_model::chain::Quantity;
 use denavit_model::units::Unit;
 
-/// What a heading says.
+/// A parsed heading.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Heading {
     /// As it is written.
@@ -14,9 +14,9 @@ pub(super) struct Heading {
     pub unit: Option<Unit>,
     /// What is in its brackets and is neither a unit nor another word for the column.
     pub unknown: Option<String>,
-    /// Its numbers belong to the link before (`alpha_i-1`): the table is a proximal one.
+    /// Its numbers belong to the previous link (`alpha_i-1`): the table is proximal.
     pub of_link_before: bool,
-    /// It says "offset" without saying of what: the joint's variable, which may be theta or d.
+    /// It is only "offset": that of the joint's variable, which may be theta or d.
     pub plain_offset: bool,
 }
 
@@ -51,7 +51,7 @@ pub(super) const KNOWN: [&str; 23] = [
     "",
 ];
 
-/// What the numbers of a column count, where they count something.
+/// The quantity of a column, if it has one.
 pub(super) fn quantity_of(name: &str) -> Option<Quantity> {
     match name {
         "theta" | "offset" | "alpha" | "beta" => Some(Quantity::Angle),
@@ -119,7 +119,7 @@ fn is_index(word: &str) -> bool {
     ["i", "j", "n", "k"].contains(&word)
 }
 
-/// `d (link offset)`, `θ (joint angle)`: a heading that says twice what it is; words beside other columns mean nothing.
+/// `d (link offset)`, `θ (joint angle)`: a heading with its meaning repeated; for other columns such words are ignored.
 fn says_the_same(part: &str, name: &str) -> bool {
     quantity_of(name).is_none() && name != "pitch" && name != "scale"
         || named(part).0 == name

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// What is known below a key.
 pub(super) enum Shape {
-    /// A value that is read as it is, or that only tells where the file came from.
+    /// A value that is read, or that only states the origin of the file.
     Value,
     /// These keys.
     Object(&'static [(&'static str, Self)]),
@@ -26,7 +26,7 @@ const COORDINATES: Shape = List(&Object(&[
     ("limits", Object(&[("lower", One), ("upper", One), ("velocity", One), ("effort", One)])),
 ]));
 
-/// `denavit.table/1`; notes and bounds tell of the source of the file.
+/// `denavit.table/1`; notes and bounds describe the source of the file.
 pub(super) const TABLE: Shape = Object(&[
     ("schema", One),
     ("robot", One),
@@ -76,7 +76,7 @@ pub(super) fn unknown(file: &str, text: &str, value: &Value, shape: &Shape) -> (
     for (path, key) in found {
         let line = line_of(text, &key);
         let place = place(file, line, format!("key \"{}\"", quoted(&path)));
-        let what = "the key is not understood, and not read".to_owned();
+        let what = "the key is unknown and was ignored".to_owned();
         inventory.report(place.clone(), what.clone());
         notes.push(Note::NotUnderstood { place, what });
     }

@@ -1,4 +1,4 @@
-//! Limits of a joint beside its numbers: columns `lower` and `upper` (`q⁻`, `q⁺`), or one column of ranges.
+//! Limits of a joint in a table: columns `lower` and `upper` (`q⁻`, `q⁺`), or one column of ranges.
 
 use super::cell::Cell;
 use super::rows::{RowOf, Rows};
@@ -6,12 +6,12 @@ use super::{SourceError, SourceErrorKind};
 use denavit_model::Quantity;
 use denavit_model::units::Unit;
 
-/// What a row says of its joint's limits, rad or m.
+/// A row's joint limits, rad or m.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Limit {
     /// Nothing.
     NotStated,
-    /// It turns without end.
+    /// Continuous.
     Endless,
     /// From and to.
     Range(f64, f64),
@@ -19,7 +19,7 @@ pub(super) enum Limit {
     NotUnderstood(String),
 }
 
-/// The limits in a row; `of_file` is the unit of numbers that state none.
+/// The limits in a row; `of_file` is the unit of numbers without one.
 pub(super) fn of_row(row: &RowOf, rows: &Rows, quantity: Quantity, of_file: Unit) -> Result<Limit, SourceError> {
     let bound = |name: &str| -> Result<Option<f64>, SourceError> {
         let text = row.text(name);
@@ -47,7 +47,7 @@ fn bracketed(written: &str, quantity: Quantity) -> Option<Unit> {
     Unit::of(inside.trim_end_matches([']', ')']), quantity)
 }
 
-/// `-170 … 170°`, `±170°`, `endless`: as documents of ours and manuals print ranges.
+/// `-170 … 170°`, `±170°`, `endless`: ranges as our documents and manuals print them.
 fn range(text: &str, quantity: Quantity, of_file: Unit) -> Limit {
     let text = text.trim();
     if ["", "-", "–", "none stated"].contains(&text) || text.starts_with("follows ") {
@@ -66,7 +66,7 @@ fn range(text: &str, quantity: Quantity, of_file: Unit) -> Limit {
         let (lower, upper) =
             text.split_once('…').or_else(|| text.split_once("...")).or_else(|| text.split_once(" to "))?;
         let (lower, upper) = (number(lower)?, number(upper)?);
-        // One unit behind both numbers.
+        // One unit after both numbers.
         let shared = upper.unit.or(lower.unit).unwrap_or(of_file);
         let si = |cell: Cell| cell.unit.unwrap_or(shared).to_si(cell.constant);
         Some((si(lower), si(upper)))

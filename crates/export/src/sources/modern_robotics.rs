@@ -1,10 +1,10 @@
-//! Screw axes as code after Lynch and Park's *Modern Robotics* keeps them: `M` and `Slist` (in the base frame) or `Blist` (in
+//! Screw axes as in code for Lynch and Park's *Modern Robotics*: `M` and `Slist` (in the base frame) or `Blist` (in
 //! the end frame).
 //!
 //! ```text
 //! T(q) = e^[S1]q1 … e^[Sn]qn M = M e^[B1]q1 … e^[Bn]qn        Si = Ad(M) Bi
 //! ```
-//! The book's lists are 6 × n with a screw in each column; code keeps them so, or as n rows of six. The shape says which or,
+//! The book's lists are 6 × n with a screw in each column; code keeps them so, or as n rows of six. The shape decides or,
 //! for six joints, the rule that a screw axis has |ω| = 1, or ω = 0 and |v| = 1.
 
 use super::keys::line_of;
@@ -22,7 +22,7 @@ use serde_json::Value;
 /// Screw axes are written to a few digits: |ω| may miss 1 by this.
 const UNIT: f64 = 1e-3;
 
-/// Two lists say the same to this, relative to a length of 1 m or the largest number.
+/// Two lists agree to this, relative to a length of 1 m or the largest number.
 const SAME: f64 = 1e-3;
 
 const SPACE: [&str; 3] = ["slist", "s_list", "slistspace"];
@@ -56,7 +56,7 @@ impl Reader<'_> {
         let number = |value: &Value| value.as_f64().filter(|number| number.is_finite());
         let row = |value: &Value| value.as_array()?.iter().map(number).collect::<Option<Vec<f64>>>();
         let rows: Option<Vec<Vec<f64>>> = value.as_array().and_then(|rows| rows.iter().map(row).collect());
-        let rows = rows.ok_or_else(|| self.wrong(key, "this is no list of rows of finite numbers"))?;
+        let rows = rows.ok_or_else(|| self.wrong(key, "this is not a list of rows of finite numbers"))?;
         let width = rows.first().map_or(0, Vec::len);
         if width == 0 || rows.iter().any(|row| row.len() != width) {
             return Err(self.wrong(key, "its rows have different lengths, or there are none"));
@@ -68,7 +68,7 @@ impl Reader<'_> {
         let rows = self.matrix(key, value)?;
         let square = rows.len() == 4 && rows[0].len() == 4 && rows[3] == [0.0, 0.0, 0.0, 1.0];
         if !square {
-            return Err(self.wrong(key, "the home pose has four rows of four numbers, the last of them 0 0 0 1"));
+            return Err(self.wrong(key, "the home pose must have four rows of four numbers, the last row 0 0 0 1"));
         }
         let rotation = Matrix3::from_fn(|row, column| rows[row][column]);
         let place = Vector3::from_fn(|row, _| rows[row][3] * metre);
@@ -88,19 +88,18 @@ impl Reader<'_> {
             (false, true) => of_columns,
             (true, true) => {
                 return Err(
-                    self.wrong(key, "rows and columns are screw axes both; write n rows of six in denavit.poe/1")
+                    self.wrong(key, "both rows and columns can be screw axes; write n rows of six in denavit.poe/1")
                 );
             }
             (false, false) if width != 6 && height != 6 => {
                 return Err(
-                    self.wrong(key, format!("screw axes have six numbers each, and this is {height} × {width}"))
+                    self.wrong(key, format!("each screw axis needs six numbers, but this is {height} × {width}"))
                 );
             }
             (false, false) => {
-                return Err(self.wrong(
-                    key,
-                    "a screw axis here is not of unit length (|ω| = 1, or ω = 0 and |v| = 1); normalise it",
-                ));
+                return Err(
+                    self.wrong(key, "a screw axis is not of unit length (|ω| = 1, or ω = 0 and |v| = 1); normalise it")
+                );
             }
         };
         // v of a slide is a direction.
@@ -156,7 +155,7 @@ pub(super) fn of_value(file: &str, text: &str, value: &Value, given: Stated) -> 
         let wrong =
             |error| SourceError::at(place(file, 1, format!("joint {}", index + 1)), SourceErrorKind::Twist(error));
         let (screw, scale) = Screw::from_twist(axis).map_err(wrong)?;
-        // A length that rounding left beside 1 is no gear.
+        // A length that differs from 1 by rounding is not a gear ratio.
         let scale = if (scale - 1.0).abs() <= UNIT { 1.0 } else { scale };
         let quantity = if screw.line().is_some() { Quantity::Angle } else { Quantity::Length };
         let name = format!("joint_{}", index + 1);
@@ -176,15 +175,15 @@ pub(super) fn of_value(file: &str, text: &str, value: &Value, given: Stated) -> 
             continue;
         }
         let place = place(file, line_of(text, key), format!("key \"{}\"", words::quoted(key)));
-        let what = "the key is not understood, and not read".to_owned();
+        let what = "the key is unknown and was ignored".to_owned();
         inventory.report(place.clone(), what.clone());
         notes.push(Note::NotUnderstood { place, what });
     }
     let mut assumed = Vec::new();
     if given.length.is_none() {
         assumed.push(format!(
-            "{file}: read as screw axes of Modern Robotics; the unit of lengths is not stated; they are read as m \
-             (‹table-units› mm reads them as mm)"
+            "{file}: read as screw axes of Modern Robotics; the file states no unit of length, so lengths are read as \
+             m (‹table-units› mm reads them as mm)"
         ));
     }
     Ok(Read { source: Source::Poe(chain), assumed, notes, inventory })

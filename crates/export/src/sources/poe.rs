@@ -1,4 +1,4 @@
-//! Screw axes back to a chain: twists may come unnormalised, as in the paper's Table I.
+//! Reads screw axes into a chain: twists may be unnormalised, as in the paper's Table I.
 
 use super::rows::{RowOf, Rows};
 use super::{Read, Source, SourceError, SourceErrorKind, coordinate_of, coordinates_of, in_si, place, stem};
@@ -65,7 +65,7 @@ fn twist_of(row: &RowOf) -> Result<Vector6<f64>, SourceError> {
     Ok(twist)
 }
 
-/// Kind and pitch stand beside a twist for readers; they must not say something else.
+/// Kind and pitch repeat the twist for readers; they must not contradict it.
 fn same_motion(screw: &Screw, kind: &str, pitch: Option<f64>) -> Result<(), SourceErrorKind> {
     let motion = Motion::of(screw);
     let same = |pitch: f64| (pitch - motion.pitch()).abs() <= 1e-6 * motion.pitch().abs().max(1e-6);
@@ -81,7 +81,7 @@ fn same_motion(screw: &Screw, kind: &str, pitch: Option<f64>) -> Result<(), Sour
     };
     let (word, pitch) = (motion.word(), motion.pitch());
     Err(SourceErrorKind::Axes(format!(
-        "{said}, and the twist is {word} with pitch {pitch} m/rad; correct one of the two"
+        "{said}, but the twist is {word} with pitch {pitch} m/rad; correct one of the two"
     )))
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Rows<'a> {
     records: Vec<Record>,
     said: Said,
     mark: char,
-    /// What is neither understood nor an error.
+    /// Notes on what was not understood.
     pub notes: Vec<Note>,
     /// What became of every line, column and cell.
     pub inventory: Inventory,
@@ -68,7 +68,7 @@ impl<'a> Rows<'a> {
         let headings: Vec<Heading> = cut(&lines[header], mark).iter().map(|(_, cell)| Heading::of(cell)).collect();
         let header_line = header + 1;
         one_column_each(file, header_line, &headings)?;
-        // Behind a Markdown table other things follow; behind a CSV header only comments are words.
+        // Other text may follow a Markdown table; after a CSV header only comments are text.
         let numbered = || lines.iter().enumerate().map(|(index, line)| (index, line.as_str()));
         let comments = numbered().skip(header).filter(|(_, line)| mark != '|' && line.trim_start().starts_with('#'));
         let said = Said::in_words(numbered().take(header).chain(comments), &headings);
@@ -83,7 +83,7 @@ impl<'a> Rows<'a> {
         Ok(rows)
     }
 
-    /// A table whose cells were found elsewhere than in lines of text.
+    /// A table whose cells do not come from lines of text.
     pub fn of_cells(file: &'a str, cells: &Cells) -> Result<Self, SourceError> {
         let headings: Vec<Heading> = cells.headings.iter().map(|heading| Heading::of(heading)).collect();
         let header_line = cells.rows.first().map_or(1, |(line, _)| *line);
@@ -106,7 +106,7 @@ impl<'a> Rows<'a> {
         for (index, line) in lines.iter().enumerate().take(header).filter(|(_, line)| !is_words(line)) {
             let numbers = cut(line, self.mark).iter().filter(|(_, cell)| cell.parse::<f64>().is_ok()).count();
             if numbers > 1 {
-                self.report(index + 1, "line", "a row above the header is not read; put it below the header");
+                self.report(index + 1, "line", "a row above the header is ignored; put it below the header");
             }
         }
         let mut after = None;
@@ -143,9 +143,10 @@ impl<'a> Rows<'a> {
             let tables =
                 rest.filter(|(_, line)| MARKS.into_iter().any(|mark| is_header(&cut(line, mark), mark))).count();
             let what = if tables > 0 {
-                "another table follows; only the first one is read: put each robot into a file of its own"
+                "another table follows and was ignored; put each robot into its own file"
             } else {
-                "text behind the table is not read; state units and convention above it, base and tool frames in rows of the table"
+                "text after the table is ignored; state units and convention above it, and base and tool frames in \
+                 rows of the table"
             };
             self.report(index + 1, "text", what);
         }
@@ -158,12 +159,12 @@ impl<'a> Rows<'a> {
         self.notes.push(Note::NotUnderstood { place, what: what.to_owned() });
     }
 
-    /// Reports something in a row, where it stands.
+    /// Reports something in a row, with its place.
     pub fn report_in(&mut self, line: usize, element: &str, what: &str) {
         self.report(line, element, what);
     }
 
-    /// A row of units below the header gives them to the headings.
+    /// Applies a row of units below the header to the headings.
     fn take_row_of_units(&mut self) -> Result<(), SourceError> {
         let Some(record) = self.records.first() else { return Ok(()) };
         let mut units = Vec::new();
@@ -192,7 +193,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// Columns that mean nothing here.
+    /// Unknown columns.
     fn report_columns(&mut self) {
         let mut unknown = Vec::new();
         for (index, heading) in self.headings.iter().enumerate() {
@@ -203,7 +204,7 @@ impl<'a> Rows<'a> {
             }
         }
         for element in unknown {
-            self.report(self.header_line, &element, "the column is not understood, and not read");
+            self.report(self.header_line, &element, "the column is unknown and was ignored");
         }
     }
 
@@ -221,7 +222,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// Decimal commas beside decimal points in one file: one of the two is something else.
+    /// Refuses decimal commas and decimal points in one file: one of the two has another meaning.
     fn one_decimal_mark(&self) -> Result<(), SourceError> {
         let mut first: Option<bool> = None;
         for row in self.iter() {
@@ -254,7 +255,7 @@ impl<'a> Rows<'a> {
         self.headings.iter().find(|heading| heading.name == name)
     }
 
-    /// Whether a heading or a cell writes a unit so.
+    /// Whether a heading or a cell uses this spelling of a unit.
     pub fn writes(&self, word: &str) -> bool {
         let has = |text: &str| text.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|found| found == word);
         self.headings.iter().any(|heading| has(&heading.written))
@@ -282,7 +283,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// No two headings of one meaning.
+/// Checks that no two headings have the same meaning.
 fn one_column_each(file: &str, line: usize, headings: &[Heading]) -> Result<(), SourceError> {
     let known: Vec<&Heading> = headings.iter().filter(|heading| !heading.name.is_empty()).collect();
     for (index, heading) in known.iter().enumerate() {
@@ -324,8 +325,8 @@ fn header_of(lines: &[String]) -> Option<(usize, char)> {
     })
 }
 
-/// Three of the four numbers, or screw axes: then the line is a table's header. Between blanks every word must be a heading:
-/// sentences speak of theta, d and a, too.
+/// A line with three of the four numbers, or with screw axes, is a table's header. If blanks separate the columns, every
+/// word must be a heading, because sentences also mention theta, d and a.
 fn is_header(cells: &[(usize, String)], mark: char) -> bool {
     let names: Vec<String> = cells.iter().map(|(_, cell)| Heading::of(cell).name).collect();
     let has = |name: &str| names.iter().any(|known| known == name);
@@ -334,7 +335,7 @@ fn is_header(cells: &[(usize, String)], mark: char) -> bool {
     enough && (mark != ' ' || names.iter().all(|name| !name.is_empty() && KNOWN.contains(&name.as_str())))
 }
 
-/// Whether a text holds the header of a table of ours, whatever its file is called.
+/// Whether a text holds the header of one of our tables, whatever its file name.
 pub(super) fn holds_header(text: &str) -> bool {
     header_of(&text.lines().map(unboxed).collect::<Vec<_>>()).is_some()
 }
@@ -368,7 +369,7 @@ fn separated(line: &str, mark: char) -> Vec<(usize, String)> {
     cells
 }
 
-/// Cells between bars; a bar behind a backslash belongs to the cell. A row may begin and end with a bar.
+/// Cells between bars; a bar after a backslash belongs to the cell. A row may begin and end with a bar.
 fn barred(line: &str) -> Vec<(usize, String)> {
     let mut cells = vec![(1, String::new())];
     let mut escaped = false;
@@ -438,7 +439,7 @@ fn blanks(line: &str, wanted: usize) -> Vec<(usize, String)> {
     [wide, with_units].into_iter().find(|cells| cells.len() == wanted).unwrap_or(narrow)
 }
 
-/// Text of a Markdown cell without the marks that keep its letters from meaning something.
+/// Text of a Markdown cell without escapes.
 fn without_escapes(cell: &str) -> String {
     let mut out = String::new();
     let mut letters = cell.chars().peekable();
@@ -484,7 +485,7 @@ impl RowOf<'_> {
         cell.map_or("", String::as_str)
     }
 
-    /// A name as it was before it was made safe for a cell.
+    /// A name without the escapes for a cell.
     pub fn name(&self, name: &str) -> String {
         let text = self.text(name);
         if self.rows.mark == '|' { without_escapes(text) } else { from_cell(text).to_owned() }

@@ -1,4 +1,4 @@
-//! Convention and units of a table: what the user states, what the file states, what only its numbers tell.
+//! Convention and units of a table: stated by the user, stated by the file, or inferred from the numbers.
 
 use super::header::Heading;
 use crate::numbers::UnknownUnit;
@@ -21,7 +21,7 @@ impl Stated {
     /// From words such as `mm,deg`, in any order.
     ///
     /// # Errors
-    /// The word that is no unit, or the second of two units of one quantity.
+    /// The word that is not a unit, or the second of two units of one quantity.
     pub fn with_units(self, words: &str) -> Result<Self, UnknownUnit> {
         let mut stated = self;
         let (mut length, mut angle) = (None, None);
@@ -38,7 +38,7 @@ impl Stated {
         Ok(stated)
     }
 
-    /// This, and what the other says where this says nothing.
+    /// This, completed by the other where this states nothing.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl ReadAs {
     }
 }
 
-/// Words beside units in a statement of units.
+/// Other words in a statement of units.
 const FILLERS: [&str; 14] = [
     "lengths",
     "length",
@@ -94,12 +94,12 @@ fn units_of(value: &str) -> Result<Stated, UnknownUnit> {
         .filter(|word| !word.is_empty() && !FILLERS.contains(word))
         .collect();
     let lengths = words.iter().filter_map(|word| Unit::of(word, Quantity::Length)).count();
-    // "lengths in mm": inches only where no other unit of length stands.
+    // "lengths in mm": "in" means inches only if there is no other unit of length.
     let words: Vec<&str> = words.into_iter().filter(|word| !(*word == "in" && lengths > 1)).collect();
     Stated::default().with_units(&words.join(","))
 }
 
-/// What the words around a table say.
+/// What the text around a table states.
 pub(super) struct Said {
     pairs: Vec<(String, String)>,
     pub stated: Stated,
@@ -126,7 +126,7 @@ impl Said {
                 Some((key, value)) if ["convention", "robot"].contains(&key.as_str()) => {
                     pairs.push((key, value));
                 }
-                // Who is quoted says nothing of how it is written here.
+                // A cited source does not state how this table is written.
                 Some((key, _)) if ["source", "author", "title", "note"].contains(&key.as_str()) => {}
                 _ => {
                     let spaced = line.to_lowercase().replace('°', " ° ");
@@ -135,7 +135,7 @@ impl Said {
             }
         }
         let has = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
-        // Words that are units wherever they stand; "in", "mil" and "turn" are also other words.
+        // Words that always are units; "in", "mil" and "turn" also have other meanings.
         let in_prose = |word: &str| {
             !["in", "m", "mil", "mils", "rev", "revs", "turn", "turns", "foot", "grad", "thou"].contains(&word)
         };
@@ -148,7 +148,7 @@ impl Said {
         let alone = |found: Option<(Unit, bool)>| found.filter(|(_, alone)| *alone).map(|(unit, _)| unit);
         let angles = only(Quantity::Angle);
         let lengths = only(Quantity::Length);
-        // A lone "m" is a unit where a unit of angles stands, too.
+        // A lone "m" is a unit if there also is a unit of angles.
         let length = match lengths {
             None if angles.is_some() && has(&["m"]) => Some(Unit::Metre),
             Some((unit, _)) if unit != Unit::Metre && angles.is_some() && has(&["m"]) => None,

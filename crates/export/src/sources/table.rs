@@ -1,4 +1,4 @@
-//! Denavit-Hartenberg tables back to numbers.
+//! Reads Denavit-Hartenberg tables.
 
 use super::cell::{Cell, Variable};
 use super::header::quantity_of;
@@ -77,7 +77,7 @@ pub(super) fn stated(rows: &Rows, given: Stated) -> Result<Stated, SourceError> 
     Ok(own.or(given))
 }
 
-/// How to read a file, and a sentence for each thing that nobody states.
+/// How to read a file, and a sentence for each thing that is not stated.
 pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String>), SourceError> {
     let mut notes = Vec::new();
     let file = rows.file;
@@ -90,7 +90,7 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
     });
     let bare = |names: &[&str]| -> Result<Vec<f64>, SourceError> {
         let mut found = Vec::new();
-        // No manual has a column of scales: such a file is our own, in rad and m.
+        // Only our own files have a column of scales, in rad and m.
         for row in rows.iter().filter(|_| !rows.has("scale")) {
             for name in names.iter().filter(|name| rows.heading(name).is_some_and(|heading| heading.unit.is_none())) {
                 if let Some(cell) = cell_of(&row, name)?.filter(|cell| cell.unit.is_none() && cell.constant != 0.0) {
@@ -127,8 +127,8 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
         match lengths.get(lengths.len() / 2) {
             Some(middle) if *middle > LONG_LINK => {
                 notes.push(format!(
-                    "{file}: the unit of lengths is not stated; they are read as mm, as links of {middle} m are no \
-                         robot's (‹table-units› m reads them as m)"
+                    "{file}: the unit of lengths is not stated; they are read as mm, because links of {middle} m are \
+                     implausible (‹table-units› m reads them as m)"
                 ));
                 Unit::Millimetre
             }
@@ -142,7 +142,7 @@ pub(super) fn assumed(rows: &Rows, stated: Stated) -> Result<(ReadAs, Vec<String
         }
     };
     if rows.writes("grad") {
-        notes.push(format!("{file}: grad is read as gradians, 400 to a turn; write deg where degrees are meant"));
+        notes.push(format!("{file}: grad is read as gradians, 400 to a turn; write deg for degrees"));
     }
     Ok((ReadAs { convention, length, angle }, notes))
 }
@@ -166,7 +166,7 @@ struct Numbers<'a> {
     rows: &'a Rows<'a>,
     length: Unit,
     angle: Unit,
-    /// Whether units of headings count; units in cells always do.
+    /// Whether units in headings apply; units in cells always do.
     headings_count: bool,
 }
 
@@ -207,7 +207,7 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// theta and what a column of offsets adds to it.
+    /// theta plus the offset column.
     fn theta(&self, row: &RowOf) -> Result<Option<VendorNumber>, SourceError> {
         let (theta, offset) = (self.number(row, "theta")?, self.number(row, "offset")?);
         Ok(match (theta, offset) {
@@ -244,7 +244,7 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// The rows of a table in its own order: joints, and frames that stand still before, between and behind them.
+/// The rows of a table in its order: joints, and fixed frames before, between and after them.
 struct Layout {
     name: String,
     coordinates: Vec<Coordinate>,
@@ -256,7 +256,7 @@ struct Layout {
     unknown: Vec<(usize, String, String)>,
 }
 
-/// A table from rows; base and tool rows may be left out, then they are nothing.
+/// A table from rows; missing base and tool rows are the identity.
 pub(super) fn of_rows(mut rows: Rows, given: Stated) -> Result<Read, SourceError> {
     rows.known_units_only()?;
     let (read_as, mut sentences) = assumed(&rows, stated(&rows, given)?)?;
@@ -327,7 +327,8 @@ impl Layout {
                     let (file, line) = (rows.file, row.line());
                     let called = if label.is_empty() { String::new() } else { format!(" \"{label}\"") };
                     layout.assumed.push(format!(
-                        "{file}:{line}: row{called} names no variable, as the rows of joints do; it is read as a fixed frame"
+                        "{file}:{line}: row{called} names no variable, unlike the rows of joints; it is read as a \
+                         fixed frame"
                     ));
                 }
                 layout.rows.push(line);
@@ -339,7 +340,7 @@ impl Layout {
             let (joint, limit) = joint_of(numbers, &row, layout.joints.len(), &mut known)?;
             if let Limit::NotUnderstood(text) = limit {
                 let what =
-                    format!("limits \"{}\" are not understood, and not read", denavit_model::words::quoted(&text));
+                    format!("limits \"{}\" are not understood and were ignored", denavit_model::words::quoted(&text));
                 layout.unknown.push((row.line(), row.element(), what));
             }
             let line = numbers.of_row(&row, RowLabel::Joint(layout.joints.len()))?;
@@ -356,7 +357,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Frames before the first joint, whether some stand between joints, frames behind the last.
+    /// Frames before the first joint, whether there are some between joints, frames after the last.
     fn fixed(&self) -> (&[ConventionRow], bool, &[ConventionRow]) {
         let is_joint = |row: &ConventionRow| matches!(row.label, RowLabel::Joint(_));
         let first = self.rows.iter().position(is_joint).unwrap_or(self.rows.len());
@@ -392,7 +393,7 @@ fn beta_in(convention: Convention, row: &ConventionRow) -> bool {
     convention == Convention::Proximal && row.beta.is_some()
 }
 
-/// The coordinates so far, and the variables that the table writes for them.
+/// The coordinates so far, and the table's variables for them.
 #[derive(Default)]
 struct Coordinates {
     all: Vec<Coordinate>,

@@ -9,15 +9,15 @@ use denavit_model::tree::Reading;
 
 use super::written::Numbers;
 
-/// Links at joint values 0, and who hangs rigidly on whom.
+/// Links at joint values 0, and how they form rigid bodies.
 pub(crate) struct Bodies {
-    /// parent_from_child of each joint, its angles read as was asked for.
+    /// parent_from_child of each joint, its angles read as requested.
     pub origins: Vec<Numbers>,
     /// Whether a literal of the joint's origin was read as another number.
     pub reread: Vec<bool>,
     /// How literals of angles and axes were read.
     pub reading: Reading,
-    /// Each joint's axis in its child link's frame, read as was asked for.
+    /// Each joint's axis in its child link's frame, read as requested.
     pub axes: Vec<Unit<Vector3<f64>>>,
     /// root_from_link.
     pub poses: Vec<Pose>,
@@ -29,7 +29,7 @@ pub(crate) struct Bodies {
     pub order: Vec<usize>,
     /// The robot's size: the longest way from the root to a link, slides counted, m; never 0.
     pub size: f64,
-    /// What was read otherwise than it is written.
+    /// Numbers not read as written.
     pub notes: Vec<Note>,
 }
 
@@ -79,8 +79,8 @@ impl Bodies {
         }
     }
 
-    /// A joint's origin as it is seen from a link of the rigid body that it sits on, and the length, m, whose rounding that
-    /// carries beyond its own: 0 where it sits on that link itself.
+    /// A joint's origin in the frame of a link of the same rigid body, and the length, m, whose rounding error it
+    /// carries in addition: 0 if the joint is on that link itself.
     pub fn seen_from(&self, robot: &Robot, link: usize, joint: usize) -> (Numbers, f64) {
         let parent = robot.joints[joint].parent;
         if parent == link {

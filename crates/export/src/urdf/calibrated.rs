@@ -1,4 +1,4 @@
-//! A URDF whose joint origins are moved so that a chain of it moves as a calibrated one.
+//! A URDF with changed joint origins, so that one of its chains moves like a calibrated chain.
 
 use super::bodies::Bodies;
 use super::edit::{Edits, escaped};
@@ -18,21 +18,20 @@ use denavit_model::urdf;
 use roxmltree::Node;
 use std::collections::BTreeMap;
 
-/// The written robot may miss the chain by this many times its size, m, and by as much in rad.
+/// Allowed deviation of the written robot from the chain, relative to its size and in rad.
 const SAME: f64 = 1e-11;
 
 /// The URDF of `robot` in which the chain from `calibrated`'s base to its tip moves as `calibrated` does.
 ///
-/// Only joint origins on the way change. Each link keeps its place with regard to its joint's axis as nearly as can be: it
-/// turns by the angle between the two axes and moves to the nearest point of the new one, and about the axis by the joint's
-/// zero: where zeros alone differ, each origin turns about its own axis and nothing else changes. The tip's place goes into
-/// the last fixed joint; where the tip itself is carried by the last joint and does not lie on its axis, a link
-/// `<tip>_calibrated` is fixed to it, with a note. A changed pitch goes into the multiplier of the slide. `reading` is how
-/// the nominal chain was read.
+/// Only joint origins on the path change. Each link keeps its pose relative to its joint's axis as closely as possible: it
+/// turns by the angle between the two axes, moves to the nearest point of the new axis, and turns about it by the joint's
+/// zero; if only zeros differ, each origin turns about its own axis and nothing else changes. The tip's displacement goes into
+/// the last fixed joint; if the last joint carries the tip itself and the new tip is not on its axis, a link
+/// `<tip>_calibrated` is fixed to it, with a note. A changed pitch goes into the multiplier of the prismatic joint. `reading`
+/// is how the nominal chain was read.
 ///
 /// # Errors
-/// The chain is not one of the robot's, runs up the tree, or differs from it in more than screw axes, pitch, joint zeros and
-/// home pose.
+/// The chain is not in the robot, runs up the tree, or differs in more than screw axes, pitch, joint zeros and home pose.
 pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result<Noted<String>, ExportError> {
     let nominal = robot.chain(Some(calibrated.base()), Some(calibrated.tip()), reading)?.value;
     let ZerosTakenIn { joints, home, shifts } = zeros_taken_in(&nominal, calibrated)?;
@@ -53,7 +52,7 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
         let mut next = here * old.pose();
         if let Some(index) = found {
             let frame = base_from(joint.child);
-            // What stands still since a slide and its turn were made one moves along with the turn.
+            // Where a slide and its turn became one helical joint, fixed parts between them move with the turn.
             let (turned, drawn) = (shifts[index] * frame, nominal.joints()[index].screw.moved(&shifts[index]));
             next = moved(&drawn, &joints[index].screw, &turned) * turned;
         }
@@ -90,14 +89,14 @@ pub fn with_chain(robot: &Robot, calibrated: &Chain, reading: Reading) -> Result
     Ok(Noted { value, notes })
 }
 
-/// The URDF of `robot` in which each of these chains, which share what they have in common, moves as it was calibrated.
+/// The URDF of `robot` in which each of these chains, which may share joints, moves as calibrated.
 ///
 /// # Errors
 /// As [`with_chain`].
 pub fn with_chains(robot: &Robot, calibrated: &[Chain], reading: Reading) -> Result<Noted<String>, ExportError> {
     let mut made = Noted { value: robot.source.text.clone(), notes: Vec::new() };
     for (index, chain) in calibrated.iter().enumerate() {
-        // Joints of the chains before have their places already, and keep them.
+        // Joints of earlier chains are already placed, and stay.
         let again = if index == 0 { None } else { Some(urdf::read(&robot.source.file, &made.value)?) };
         let Noted { value, notes } = with_chain(again.as_ref().unwrap_or(robot), chain, reading)?;
         made.value = value;
@@ -137,17 +136,17 @@ fn way(robot: &Robot, bodies: &Bodies, base: usize, tip: usize, chain: &Chain) -
     Ok(way)
 }
 
-/// A calibrated chain with what its zeros moved by folded into what lies behind.
+/// A calibrated chain with its zero offsets folded into the following joints.
 pub(crate) struct ZerosTakenIn {
-    /// Joints as they lie at zero.
+    /// Joints at zero.
     pub joints: Vec<ChainJoint>,
     /// base_from_tip at zero.
     pub home: Pose,
-    /// For each joint, how the zeros up to its own moved what it carries.
+    /// For each joint, the motion of its child by all zero offsets up to its own.
     shifts: Vec<Pose>,
 }
 
-/// The calibrated joints and home pose with what their zeros moved by folded into what lies behind.
+/// The calibrated joints and home pose with the zero offsets folded into the following joints.
 pub(crate) fn zeros_taken_in(nominal: &Chain, calibrated: &Chain) -> Result<ZerosTakenIn, ExportError> {
     let refuse = |joint: &str, what: String| Err(ExportError::NotInUrdf { joint: joint.to_owned(), what });
     if nominal.joints().len() != calibrated.joints().len() {
@@ -161,10 +160,10 @@ pub(crate) fn zeros_taken_in(nominal: &Chain, calibrated: &Chain) -> Result<Zero
             return refuse(&other.name, format!("the robot has joint \"{}\" there", one.name));
         }
         if std::mem::discriminant(&one.screw) != std::mem::discriminant(&other.screw) {
-            return refuse(&other.name, "its kind is another than the robot's".into());
+            return refuse(&other.name, "its kind differs from that in the robot".into());
         }
         if one.scale != other.scale {
-            let what = format!("a joint scale of {} cannot stand in a URDF; leave it to the controller", other.scale);
+            let what = format!("joint scale {} cannot be written in URDF; apply it in the controller", other.scale);
             return refuse(&other.name, what);
         }
         joints.push(ChainJoint { screw: other.screw.moved(&shift), ..other.clone() });
@@ -206,7 +205,9 @@ fn new_pitch(robot: &Robot, edits: &mut Edits, nodes: &Nodes, way: &[usize], fac
     let slide = way[1..].iter().find(|joint| robot.joints[**joint].kind == JointKind::Prismatic);
     let driven = slide.and_then(|joint| Some((joint, robot.joints[*joint].mimic.as_ref()?)));
     let Some((slide, mimic)) = driven.filter(|(_, mimic)| mimic.joint == turn.name) else {
-        let what = "its pitch stands where it cannot be changed; write it as a turn and a slide that mimics it".into();
+        let what = "its pitch cannot be changed in place; write a revolute joint and a prismatic joint that mimics \
+                    it"
+        .into();
         return Err(ExportError::NotInUrdf { joint: turn.name.clone(), what });
     };
     let node = nodes.joint(*slide).children().find(|child| is(child, "mimic"));
@@ -243,12 +244,12 @@ fn add_tip(
     ];
     edits.lines_behind(&robot.source, carrier, &lines);
     let place = robot.source.place(carrier.range().start, format!("link \"{tip}\""));
-    let what = format!("the calibrated tip does not lie on the last joint's axis; it is the new link \"{name}\"");
+    let what = format!("the calibrated tip is not on the last joint's axis; it is the new link \"{name}\"");
     Ok(Note::Mended { place, what })
 }
 
 /// # Errors
-/// The text's chain does not move as the calibrated one.
+/// The text's chain does not move like the calibrated one.
 fn check(robot: &Robot, calibrated: &Chain, tip: &str, reading: Reading, text: &str) -> Result<(), ExportError> {
     let made = urdf::read(&robot.source.file, text)?;
     let chain = made.chain(Some(calibrated.base()), Some(tip), reading)?.value;
@@ -264,7 +265,7 @@ fn check(robot: &Robot, calibrated: &Chain, tip: &str, reading: Reading, text: &
     };
     let (turned, slid) = se3::difference(&chain.fk(&q(&chain)), &calibrated.fk(&q(calibrated)));
     if turned > SAME || slid > SAME * calibrated.size() {
-        let what = format!("the calibrated chain would be missed by {slid:.1e} m and {turned:.1e} rad");
+        let what = format!("the result would deviate from the calibrated chain by {slid:.1e} m and {turned:.1e} rad");
         return Err(ExportError::Unfaithful { file: robot.source.file.clone(), what });
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Edits of a source text by byte ranges: whatever no edit covers stays byte for byte.
+//! Edits of a source text by byte ranges: text without edits stays byte for byte.
 
 use super::ExportError;
 use denavit_model::robot::SourceText;
@@ -17,7 +17,7 @@ impl Edits {
         self.pieces.push((range, text.into()));
     }
 
-    /// Gives an attribute a value: in its place, or as a new attribute behind the others.
+    /// Sets an attribute: in place, or as a new attribute after the others.
     pub fn attribute(&mut self, source: &SourceText, node: Node, name: &str, value: &str) {
         if let Some(attribute) = node.attribute_node(name) {
             self.replace(attribute.range_value(), escaped(value));
@@ -31,7 +31,7 @@ impl Edits {
         self.replace(at..at, format!(" {name}=\"{}\"", escaped(value)));
     }
 
-    /// Puts an element in front of the other children, with the white space that the first of them has.
+    /// Inserts an element before the other children, with the white space of the first of them.
     pub fn first_child(&mut self, source: &SourceText, node: Node, element: &str) {
         let text = &source.text;
         let Some(open) = open_tag_end(text, node.range().start) else { return };
@@ -44,7 +44,7 @@ impl Edits {
         self.replace(open..open, format!("{}{element}", last_line_break(space)));
     }
 
-    /// Puts an element behind the `<origin>` child, or in front of the other children where there is none.
+    /// Inserts an element after the `<origin>` child, or before the other children if there is none.
     pub fn behind_origin(&mut self, source: &SourceText, node: Node, element: &str) {
         match node.children().find(|child| child.is_element() && child.tag_name().name() == "origin") {
             Some(origin) => self.lines_behind(source, origin, &[element.to_owned()]),
@@ -52,7 +52,7 @@ impl Edits {
         }
     }
 
-    /// Puts lines behind an element, each with the element's own indentation.
+    /// Inserts lines after an element, each with the element's indentation.
     pub fn lines_behind(&mut self, source: &SourceText, node: Node, lines: &[String]) {
         let (start, end) = (node.range().start, node.range().end);
         let before = &source.text[..start];
@@ -60,7 +60,7 @@ impl Edits {
         self.replace(end..end, lines.iter().flat_map(|line| [space, line]).collect::<String>());
     }
 
-    /// Puts lines in front of the end of an element that has children, each indented like the last of them.
+    /// Inserts lines before the end of an element with children, each indented like the last of them.
     pub fn lines_at_end(&mut self, source: &SourceText, node: Node, lines: &[String]) {
         match node.last_element_child() {
             Some(last) => self.lines_behind(source, last, lines),
@@ -68,21 +68,21 @@ impl Edits {
         }
     }
 
-    /// Takes an element out, with the white space from the last line break before it: what [`Edits::lines_behind`] puts in.
+    /// Removes an element, with the white space from the last line break before it: the inverse of [`Edits::lines_behind`].
     pub fn remove(&mut self, source: &SourceText, node: Node) {
         let range = with_line_break(&source.text, node);
         self.replace(range, "");
     }
 
-    /// Whether there is none.
+    /// Whether there are no edits.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// The original text of `source` with the edits; as it was read where there are none.
+    /// The original text of `source` with the edits; unchanged if there are none.
     ///
     /// # Errors
-    /// Two edits want the same bytes: an XML entity that is used in two places.
+    /// Two edits change the same bytes: an XML entity that is used in two places.
     pub fn apply(mut self, source: &SourceText) -> Result<String, ExportError> {
         self.pieces.push((source.declared.clone(), String::new()));
         // Stable: insertions at one place keep their order.
@@ -92,7 +92,7 @@ impl Edits {
         for (range, piece) in &self.pieces {
             let before = source.text.get(at..range.start).ok_or_else(|| ExportError::Unfaithful {
                 file: source.file.clone(),
-                what: format!("one piece of text in line {} stands for two elements", source.line(range.start)),
+                what: format!("one piece of text in line {} defines two elements", source.line(range.start)),
             })?;
             result.push_str(before);
             result.push_str(piece);
@@ -103,7 +103,7 @@ impl Edits {
     }
 }
 
-/// The end of white space, from its last line break on: what stands before an element on a line of its own.
+/// White space from its last line break on: the indentation of an element on its own line.
 fn last_line_break(space: &str) -> &str {
     match space.rfind('\n') {
         Some(at) if space[..at].ends_with('\r') => &space[at - 1..],
@@ -123,18 +123,18 @@ fn name_start(node: Node) -> usize {
     node.range().start + 1
 }
 
-/// A tag as it is written, prefix included.
+/// A tag as written, with its prefix.
 pub fn written_tag<'a>(source: &'a SourceText, node: Node) -> &'a str {
     &source.text[name_start(node)..name_end(&source.text, node.range().start)]
 }
 
-/// Byte offset behind the name of the tag that opens at `start`.
+/// Byte offset after the name of the tag that opens at `start`.
 fn name_end(text: &str, start: usize) -> usize {
     let name = &text[start + 1..];
     start + 1 + name.find(|c: char| c.is_whitespace() || c == '>' || c == '/').unwrap_or(name.len())
 }
 
-/// Byte offset behind the `>` of the tag that opens at `start`.
+/// Byte offset after the `>` of the tag that opens at `start`.
 pub(crate) fn open_tag_end(text: &str, start: usize) -> Option<usize> {
     let mut quote = None;
     for (at, c) in text[start..].char_indices() {
@@ -148,7 +148,7 @@ pub(crate) fn open_tag_end(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// A name or value as it may stand between double quotes.
+/// A name or value escaped for double quotes.
 pub fn escaped(value: &str) -> String {
     value.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

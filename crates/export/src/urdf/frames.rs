@@ -1,8 +1,8 @@
-//! Where the D-H frames of a whole tree lie, and the joint origins that lead to them.
+//! The D-H frames of a whole tree, and the joint origins that lead to them.
 //!
-//! The tree is cut into ways: first the one to the tip of the table, then, from the frames that are already
-//! there, the longest that is left, until every joint has its frame. Each way is a chain whose rows come from
-//! [`denavit_dh::convert::table`]: joint origin = row, so that a reader sees the table in the file.
+//! The tree is cut into paths: first the one to the tip of the table, then, from the frames already placed, the
+//! longest remaining path, until every joint has its frame. Each path is a chain whose rows come from
+//! [`denavit_dh::convert::table`]: joint origin = row, so that the file shows the table.
 
 use super::bodies::{Bodies, has_axis};
 use super::shape::{has_z_axis, is_proximal, row_within};
@@ -25,7 +25,7 @@ use std::ops::Range;
 /// D-H frames of links and the rows that lead to them.
 pub(crate) struct Plan {
     /// Of each joint that has an axis: the row that leads to its D-H frame from the frame of link `from`; `None` where the
-    /// joint is in canonical form as it stands.
+    /// joint already is in canonical form.
     pub rows: Vec<Option<Numbers>>,
     /// The link whose frame a joint's row starts from: the one that carries the rigid body, or the base that was named.
     pub from: Vec<usize>,
@@ -33,14 +33,14 @@ pub(crate) struct Plan {
     pub frames: Vec<Pose>,
     /// Links whose own frames stay, wherever the D-H frame is.
     pub kept: Vec<bool>,
-    /// What the user must know.
+    /// Notes for the user.
     pub notes: Vec<Note>,
 }
 
-/// A number beyond this many times the robot's size is no place for a frame; as for tables.
+/// Frames are not placed farther away than this many times the robot's size; as for tables.
 const FAR: f64 = 3.0;
 
-/// From the frame that is reached an angle of 1e-12 rad is off by the rounding of that frame, which is much of it.
+/// Relative to a computed frame, an angle of 1e-12 rad is mostly the rounding error of that frame.
 const SURELY_ABOVE: f64 = 2.0;
 
 /// A frame that moves by no more (rad, and m relative to the robot's size) stays: the rounding of the products that
@@ -60,10 +60,10 @@ impl Plan {
         let named_base = base.filter(|_| options.base.is_some());
         let mut carries = vec![false; links];
         robot.joints.iter().for_each(|joint| carries[joint.parent] = true);
-        // The links of the old frames are new ones where the old names are to keep theirs.
+        // If the old names keep their frames, new links get the D-H frames.
         let is_end = |link: usize| options.link_frames == LinkFrames::Replace && !carries[link];
         let kept = (0..links).map(|link| {
-            // The tip of the table keeps its frame, too: it is what one plans for.
+            // The tip of the table keeps its frame, too: it is the target frame of planning.
             let is_tip = options.link_frames == LinkFrames::Replace && Some(link) == tip;
             let is_base = options.base.is_some() && Some(link) == base;
             !carried_by_axis(robot, bodies, link) || is_end(link) || is_tip || is_base
@@ -77,8 +77,8 @@ impl Plan {
             notes: Vec::new(),
         };
         let mut first: VecDeque<usize> = named_base.into_iter().chain(tip).collect();
-        // The longest way on top, the first leaf among equals. A way only gets shorter: one that is as long as it was when it
-        // was put in is the longest.
+        // The longest path on top, the first leaf among equals. A path only gets shorter: one that is as long as when it
+        // was pushed is the longest.
         let entry = |(place, leaf): (usize, &usize)| (usize::MAX, Reverse(place), *leaf);
         let mut open: BinaryHeap<(usize, Reverse<usize>, usize)> =
             robot.leaves().iter().enumerate().map(entry).collect();
@@ -124,12 +124,12 @@ impl Plan {
         (0..self.frames.len()).map(pose).collect()
     }
 
-    /// root_from_frame of the frame that a way starts from.
+    /// root_from_frame of the frame that a path starts from.
     fn start<'a>(&'a self, bodies: &'a Bodies, link: usize) -> &'a Pose {
         if self.kept[link] { &bodies.poses[link] } else { &self.frames[link] }
     }
 
-    /// Whether every joint on a way is in canonical form already, from a frame that stays.
+    /// Whether every joint on a path already is in canonical form, from a frame that stays.
     fn stands(
         &self,
         robot: &Robot,
@@ -172,7 +172,7 @@ impl Plan {
             && joints.iter().enumerate().all(|(place, joint)| in_form(place, *joint))
     }
 
-    /// A frame that would be kept but is the D-H frame already is one like the others: its origin is the row.
+    /// A kept frame that already is the D-H frame is treated like the others: its origin is the row.
     fn keep_no_frame_that_is_its_row(&mut self, robot: &Robot, bodies: &Bodies) {
         for (index, joint) in robot.joints.iter().enumerate() {
             let (turned, moved) = se3::difference(&self.frames[joint.child], &bodies.poses[joint.child]);
@@ -183,7 +183,7 @@ impl Plan {
         }
     }
 
-    /// Frames and rows of the joints on one way.
+    /// Frames and rows of the joints on one path.
     fn place(
         &mut self,
         robot: &Robot,
@@ -232,9 +232,9 @@ impl Plan {
         Ok(())
     }
 
-    /// The table's rows; Hayati's where neighbours are so nearly parallel that the usual four would lead far away.
+    /// The table's rows; Hayati's where neighbouring axes are so nearly parallel that the usual four numbers would be huge.
     ///
-    /// The chain is cut behind each such pair: what comes after is a table of its own, from the frame that is reached.
+    /// The chain is cut after each such pair: the rest is a new table, from the frame reached there.
     fn rows(
         &mut self,
         robot: &Robot,
@@ -282,7 +282,7 @@ fn nearly_parallel(chain: &Chain, rows: &[Row], parallelism: Parallelism, size: 
     })
 }
 
-/// The joints `range` of a chain and its tip, as they are seen from the frame `base`.
+/// The joints `range` of a chain and its tip, in the frame `base`.
 fn behind(chain: &Chain, range: Range<usize>, base: &Pose) -> Result<Chain, ChainError> {
     let seen = base.inverse();
     let joints = chain.joints()[range].iter().enumerate().map(|(coordinate, joint)| ChainJoint {
@@ -298,8 +298,8 @@ fn behind(chain: &Chain, range: Range<usize>, base: &Pose) -> Result<Chain, Chai
 
 fn tilted(robot: &Robot, step: &Step, angle: f64) -> Note {
     let what = format!(
-        "its axis is {angle:.1e} rad from parallel to the axis before; the origin has a pitch for it, so that the motion \
-         stays as it was and the frame near the arm"
+        "its axis is {angle:.1e} rad from parallel to the axis before; the origin has a small pitch for it, which \
+         keeps the motion and places the frame near the arm"
     );
     Note::Mended { place: robot.joint_place(step.joints[0].0), what }
 }
@@ -308,7 +308,7 @@ fn carried_by_axis(robot: &Robot, bodies: &Bodies, link: usize) -> bool {
     bodies.to_parent[link].is_some_and(|joint| has_axis(&robot.joints[joint].kind))
 }
 
-/// The joints with an axis on the way from the nearest frame that is already placed down to `link`.
+/// The joints with an axis on the path from the nearest placed frame down to `link`.
 fn way(robot: &Robot, bodies: &Bodies, placed: &[bool], link: usize) -> Vec<usize> {
     let mut joints = Vec::new();
     let mut at = bodies.body[link];
@@ -323,7 +323,7 @@ fn way(robot: &Robot, bodies: &Bodies, placed: &[bool], link: usize) -> Vec<usiz
     joints
 }
 
-/// One screw axis of a way: a joint, or a turn and the slide that it drives, and whether each has the axis' sense.
+/// One screw axis of a path: a joint, or a turn and the slide that it drives, and whether each has the axis' sense.
 struct Step {
     joints: Vec<(usize, bool)>,
     screw: Screw,
@@ -385,7 +385,7 @@ fn coupled(robot: &Robot, one: usize, other: usize) -> Option<f64> {
     }
 }
 
-/// The chain of a way, each step with a coordinate of its own: at joint values 0, whatever mimics say.
+/// The chain of a path, each step with its own coordinate: at joint values 0, regardless of mimics.
 fn chain(robot: &Robot, names: (String, String, String), steps: &[Step], home: Pose) -> Result<Chain, ChainError> {
     let lead = |step: &Step| {
         let turn = step.joints.iter().find(|(joint, _)| robot.joints[*joint].kind != JointKind::Prismatic);
@@ -418,7 +418,7 @@ fn over(same_sense: bool) -> Pose {
     DhRow { alpha, ..DhRow::default() }.pose()
 }
 
-/// The row between frames of which the one before or the one behind lies on its face.
+/// The row between frames of which the first or the second is flipped.
 fn turned_over(row: DhRow, before_upright: bool, behind_upright: bool) -> DhRow {
     let half_turn = |alpha: f64| if alpha > 0.0 { alpha - PI } else { alpha + PI };
     let mut row = row;

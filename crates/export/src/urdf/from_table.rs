@@ -15,12 +15,12 @@ use std::fmt::Write;
 /// Radius of the cylinders, relative to the robot's size.
 const THICKNESS: f64 = 0.015;
 
-/// The URDF that a table stands for: joint origins are the table's rows, so that [`super::read_off`] gives them back.
+/// The URDF of a table: joint origins are the table's rows, so that [`super::read_off`] returns them.
 ///
-/// The convention is the one that the table is known by; it is named in a comment and changes nothing else. A helical
+/// The convention is only named in a comment and changes nothing else. A helical
 /// joint is a revolute joint and a prismatic joint that mimics it, with the pitch as multiplier. A joint that turns
-/// against its coordinate (scale -1) has axis 0 0 -1. What a table does not say gets what URDF demands: effort and velocity
-/// 0, and ±1 m for a slide without limits.
+/// against its coordinate (scale -1) has axis 0 0 -1. What URDF requires and a table does not state gets a default: effort and
+/// velocity 0, and ±1 m for a slide without limits.
 ///
 /// # Errors
 /// A joint's scale is neither 1 nor -1 where no other joint drives it.
@@ -70,10 +70,10 @@ pub fn from_table(table: &Table, convention: Convention) -> Result<String, Expor
     Ok(text)
 }
 
-/// How the comment begins that names the table in the file.
+/// Start of the comment that names the table in the file.
 const MADE_FROM: &str = "Made from the ";
 
-/// Whether a file says that it was made from a table, so that its last row and tool part are the table's own.
+/// Whether a file states that it was made from a table, so that its last row and tool part are those of the table.
 pub(super) fn is_made_from_table(robot: &Robot) -> bool {
     let before = robot.source.text.split("<robot").next().unwrap_or_default();
     before.contains(MADE_FROM) && before.contains("Denavit-Hartenberg table")
@@ -124,7 +124,7 @@ impl<'a> Writer<'a> {
         Self { table, radius: THICKNESS * if size > 0.0 { size } else { 1.0 } }
     }
 
-    /// `name`, or with strokes behind it where base or tip are called so.
+    /// `name`, with trailing strokes if base or tip have this name.
     fn free(&self, name: &str) -> String {
         let mut name = name.to_owned();
         while name == self.table.base || name == self.table.tip {
@@ -133,7 +133,7 @@ impl<'a> Writer<'a> {
         name
     }
 
-    /// Writes a joint, or the two of a helical one; gives the link that it leads to.
+    /// Writes a joint, or the two of a helical one; returns its child link.
     fn joint(
         &self,
         text: &mut String,
@@ -147,7 +147,7 @@ impl<'a> Writer<'a> {
         let drives = driver.name == of.name;
         if drives && of.scale.abs() != 1.0 {
             let what =
-                format!("its value is {} times its coordinate, which URDF cannot say; give it scale 1", of.scale);
+                format!("its value is {} times its coordinate, which URDF cannot express; give it scale 1", of.scale);
             return Err(ExportError::NotInUrdf { joint: of.name.clone(), what });
         }
         let axis = if drives && of.scale < 0.0 { "<axis xyz=\"0 0 -1\"/>" } else { "<axis xyz=\"0 0 1\"/>" };
@@ -183,17 +183,14 @@ impl<'a> Writer<'a> {
         Ok(child)
     }
 
-    /// The joint whose value is the coordinate: the one of its name, or else the first that it moves.
+    /// The joint whose value is the coordinate: the one with its name, otherwise the first that it moves.
     fn driver(&self, coordinate: usize) -> &TableJoint {
         let moved = || self.table.joints.iter().filter(|joint| joint.coordinate == coordinate);
         let name = &self.table.coordinates[coordinate].name;
-        moved()
-            .find(|joint| joint.name == *name)
-            .or_else(|| moved().next())
-            .expect("asked for a coordinate that moves a joint")
+        moved().find(|joint| joint.name == *name).or_else(|| moved().next()).expect("the coordinate moves a joint")
     }
 
-    /// A link with what shows its joint, and cylinders along the d and a of the row behind it.
+    /// A link with a shape for its joint, and cylinders along d and a of the next row.
     fn link(&self, name: &str, motion: Option<Motion>, row: Option<&Row>) -> String {
         let mut parts = Vec::new();
         let thin = self.radius;

@@ -1,4 +1,4 @@
-//! D-H frames in links of their own, every old frame under its old name fixed to them.
+//! D-H frames in new links; every old frame keeps its name and is fixed to them.
 
 use super::ExportError;
 use super::bodies::{Bodies, has_axis};
@@ -12,10 +12,10 @@ use denavit_model::robot::Robot;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 
-/// Links get this behind their name for the link that has their D-H frame.
+/// Suffix of the link with a link's D-H frame.
 const SUFFIX: &str = "_dh";
 
-/// Joints lead to the D-H frames, which carry the old links: nothing that is given in a link changes.
+/// Joints lead to the D-H frames, which carry the old links: nothing given in a link's frame changes.
 pub(crate) fn edit(
     robot: &Robot,
     document: &Document,
@@ -45,7 +45,7 @@ pub(crate) fn edit(
         joint_origin(&robot.source, edits, node, &numbers);
         joint_axis(&robot.source, edits, node);
         let from = plan.from[index];
-        // A base that was named starts at its own frame.
+        // A named base starts at its own frame.
         let own = plan.kept[from] || from != bodies.body[joint.parent];
         let parent = if own { robot.links[from].name.clone() } else { dh_name(from) };
         set_end(robot, edits, node, "parent", &robot.links[joint.parent].name, &parent);

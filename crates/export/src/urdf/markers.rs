@@ -13,7 +13,7 @@ use denavit_model::robot::{Joint, JointKind, Robot};
 use denavit_model::se3::{self, Pose};
 use roxmltree::Document;
 
-/// Markers nearer to where they belong than this (rad, and relative to the robot's size) are there already.
+/// Markers closer to their pose than this (rad, and relative to the robot's size) already exist.
 const THERE: f64 = 1e-12;
 
 struct Marker {
@@ -22,7 +22,7 @@ struct Marker {
     numbers: Numbers,
 }
 
-/// Adds dh_0 … dh_n, each fixed to the link that it moves with, unless they are there already.
+/// Adds dh_0 … dh_n, each fixed to the link that it moves with, unless they already exist.
 pub(crate) fn add(
     robot: &Robot,
     document: &Document,
@@ -95,9 +95,9 @@ fn carriers_behind(robot: &Robot, bodies: &Bodies, table: &Table, base: usize) -
         let found = way.iter().position(|joint| robot.joints[*joint].name == row.name);
         let position = found.ok_or_else(|| ExportError::NotInUrdf {
             joint: row.name.clone(),
-            what: "it is a part of a planar joint, between whose parts no marker can be; choose a tip before it".into(),
+            what: "it is part of a planar joint, which cannot carry a marker; choose a tip before it".into(),
         })?;
-        // A slide that the turn before it drives has no row of its own.
+        // A slide driven by the turn before it has no separate row.
         let slide = way[position + 1..]
             .iter()
             .take_while(|joint| robot.joints[**joint].kind == JointKind::Fixed || !in_table(**joint));
@@ -126,7 +126,7 @@ fn is_marker(name: &str) -> bool {
     name.strip_prefix("dh_").is_some_and(|index| !index.is_empty() && index.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// The robot without marker links that an earlier export put in.
+/// The robot without marker links from an earlier export.
 fn without_markers(robot: &Robot) -> Robot {
     let (leaves, carriers) = (robot.leaves(), robot.carriers());
     let marker = |link: usize| {

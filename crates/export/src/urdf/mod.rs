@@ -1,23 +1,23 @@
-//! URDF out: the canonical form of a robot, a URDF of a table, and a URDF with calibrated joint origins.
+//! Writes URDF: the canonical form of a robot, a URDF of a table, and a URDF with calibrated joint origins.
 //!
 //! ```text
-//! Robot ──► canonical   link frames are D-H frames, the rest of the text byte for byte as it stood
-//! Table ──► from_table  a URDF that any viewer shows; read_off gives the same table back
-//! Robot, Chain ──► with_chain   joint origins moved so that the robot moves as the chain does
+//! Robot ──► canonical   link frames are D-H frames, the rest of the text stays byte for byte
+//! Table ──► from_table  a URDF that any viewer shows; read_off returns the same table
+//! Robot, Chain ──► with_chain   joint origins changed so that the robot moves like the chain
 //! ```
 //!
 //! **Canonical form.** A joint's child link frame lies on the joint's axis (z), x along the common normal with the
 //! axis before, and the joint's origin is the row that leads there: rpy="alpha 0 theta", xyz="a·cos(theta)
 //! a·sin(theta) d". The axis before is that of the joint which carries the rigid body, or z of the root link. So
 //! - only links between two moving joints get new frames: the root link, the tip of the table, links that carry nothing further (tips, fingers,
-//!   wheels), links on fixed joints (flange, tool0, cameras, mounts), and links behind floating, planar and unknown joints
+//!   wheels), links on fixed joints (flange, tool0, cameras, mounts), and links after floating, planar and unknown joints
 //!   keep theirs;
-//! - a joint on a link that is fixed to the body has as its origin what leads from there to the end of the row;
+//! - the origin of a joint on a link that is fixed to the body leads from that link to the end of the row;
 //! - the table of the result is the table of the source, along the same chain;
 //! - no joint's zero or sense moves: limits, mimics, transmissions and controllers stay as they are;
 //! - where neighbouring axes are nearly parallel and the common normal would lie far away, the origin has a small pitch
-//!   (Hayati's row), with a note: the motion is never changed to make the numbers nice;
-//! - joints that are in this form already are not changed.
+//!   (Hayati's row), with a note: the motion is never changed for rounder numbers;
+//! - joints already in this form are not changed.
 
 mod bodies;
 mod calibrated;
@@ -35,7 +35,7 @@ mod shape;
 mod verify;
 mod written;
 
-/// Edits of a URDF's text, for crates that make others than these.
+/// Edits of a URDF's text, for other crates.
 pub mod text {
     pub use super::edit::{Edits, escaped, with_line_break};
     pub use super::nodes::Nodes;
@@ -69,35 +69,35 @@ pub enum Frames {
     /// At the foot of the common normal with the axis before: a joint's origin is a row of the distal (standard) table.
     #[default]
     Distal,
-    /// At the foot of the common normal with the axis behind: a joint's origin is Rx(alpha) Tx(a) Rz(theta) Tz(d), a row
-    /// of the proximal (modified) table. Where the tree branches the first way decides.
+    /// At the foot of the common normal with the next axis: a joint's origin is Rx(alpha) Tx(a) Rz(theta) Tz(d), a row
+    /// of the proximal (modified) table. At a branch of the tree the first path decides.
     Proximal,
 }
 
-/// How the frames of the canonical form reach the file.
+/// How the file represents the frames of the canonical form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LinkFrames {
-    /// The links themselves get them.
+    /// The links themselves get these frames.
     #[default]
     Replace,
-    /// New links get them; the old ones keep theirs, fixed to the new.
+    /// New links get these frames; the old links keep theirs, fixed to the new ones.
     Keep,
     /// Marker links dh_0 … dh_n show the frames of one chain; nothing moves.
     MarkOnly,
 }
 
-/// What to make.
+/// Options of the export.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
-    /// Who gets the frames.
+    /// Which links get the frames.
     pub link_frames: LinkFrames,
     /// Where on the axes they lie.
     pub frames: Frames,
-    /// How the file's angles are read; read as intended, they are also written so.
+    /// How the file's angles are read; angles read as intended are also written as intended.
     pub reading: Reading,
     /// Choice that the geometry does not determine.
     pub gauge: Gauge,
-    /// Which neighbours are too near to parallel for a D-H row.
+    /// Which neighbouring axes are too close to parallel for a D-H row.
     pub parallelism: Parallelism,
     /// Base link of the chain whose table the frames follow, which keeps its frame; `None`: that of
     /// [`Robot::default_chain`].
@@ -106,7 +106,7 @@ pub struct Options {
     pub tip: Option<String>,
 }
 
-/// Why there is no URDF to be had.
+/// Why a URDF could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -115,10 +115,10 @@ pub enum ExportError {
     NoSuchLink {
         /// The file.
         file: String,
-        /// What was asked for.
+        /// The requested name.
         name: String,
     },
-    /// The joints make no chain.
+    /// The joints do not form a chain.
     #[error("{file}: {source}")]
     Chain {
         /// The file.
@@ -129,13 +129,13 @@ pub enum ExportError {
     /// No such chain in the tree.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// A name that is needed is already another element's.
-    #[error("{place}: the name is needed for a frame of the export; rename it")]
+    /// Another element already has a name that is needed.
+    #[error("{place}: the export needs this name for a frame; rename this element")]
     NameTaken {
         /// Who has it.
         place: Place,
     },
-    /// Something is given in the frame of a link that gets another frame, and cannot be given in that one.
+    /// Something refers to a link's frame that changes, and cannot be expressed in the new frame.
     #[error("{place}: {what}")]
     NotCarried {
         /// Where.
@@ -143,8 +143,8 @@ pub enum ExportError {
         /// What, and what to do.
         what: String,
     },
-    /// The text is not what the element tree says, or the result does not move as the source: a part of the text stands
-    /// where edits do not reach, such as an XML entity.
+    /// The text differs from the element tree, or the result does not move like the source: a part of the text is out of
+    /// reach of edits, such as an XML entity.
     #[error("{file}: {what}; expand XML entities and give each link one <inertial>, then export again")]
     Unfaithful {
         /// The file.
@@ -152,7 +152,7 @@ pub enum ExportError {
         /// What differs.
         what: String,
     },
-    /// The result is not the robot within rounding, although the text can be edited: a fault of the export.
+    /// The result differs from the robot by more than rounding, although the text can be edited: a bug of the export.
     #[error("{file}: {what}; nothing was written. Try ‹keep-link-frames› or ‹exact›, and please report this file")]
     Inexact {
         /// The file.
@@ -160,10 +160,10 @@ pub enum ExportError {
         /// What differs.
         what: String,
     },
-    /// The result is no URDF.
-    #[error("the exported text is no URDF: {0}")]
+    /// The result is not a URDF.
+    #[error("the exported text is not a valid URDF: {0}")]
     Unreadable(#[from] UrdfError),
-    /// A table holds what URDF cannot.
+    /// A table has something that URDF cannot express.
     #[error("joint \"{joint}\": {what}")]
     NotInUrdf {
         /// The joint.
@@ -176,8 +176,8 @@ pub enum ExportError {
 /// The URDF of a robot in canonical form; see the module's description.
 ///
 /// # Errors
-/// A link or name is missing or taken, or the text holds parts that edits cannot reach. The result is read again and
-/// compared with the source before it is given out.
+/// A link or name is missing or taken, or the text has parts that edits cannot reach. The result is read back and
+/// compared with the source before it is returned.
 ///
 /// # Examples
 /// ```
@@ -200,7 +200,7 @@ pub fn canonical(robot: &Robot, options: &Options) -> Result<Noted<String>, Expo
     match options.link_frames {
         LinkFrames::MarkOnly => {
             notes.clear();
-            // Their frames stay as they are written, whatever angles were meant.
+            // Their frames stay as written, regardless of intended angles.
             stays.fill(false);
             notes.extend(markers::add(robot, &document, options, &mut edits)?);
         }

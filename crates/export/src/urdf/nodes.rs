@@ -15,7 +15,7 @@ impl<'a, 'input> Nodes<'a, 'input> {
     /// Of a robot's document, see [`super::parse`].
     ///
     /// # Errors
-    /// A joint's element is not in the text where its place says, as with XML entities.
+    /// A joint's element is not at its place in the text, as with XML entities.
     pub fn of(robot: &Robot, document: &'a Document<'input>) -> Result<Self, ExportError> {
         let top = document.root_element().children().filter(Node::is_element);
         let by_start: BTreeMap<usize, Node> = top.map(|node| (node.range().start, node)).collect();
@@ -27,7 +27,7 @@ impl<'a, 'input> Nodes<'a, 'input> {
         let joints: Option<Vec<Node>> = robot.joints.iter().map(|joint| find(joint.at, "joint", &joint.name)).collect();
         let joints = joints.ok_or_else(|| ExportError::Unfaithful {
             file: robot.source.file.clone(),
-            what: "joint elements do not stand in the text itself".into(),
+            what: "joint elements are not in the text itself".into(),
         })?;
         Ok(Self { links, joints })
     }

@@ -8,7 +8,7 @@ use denavit_model::se3;
 use denavit_model::tree::Reading;
 use roxmltree::Node;
 
-/// Numbers into the attributes `xyz` and `rpy`, which were read as `old`; what stays, to rounding, keeps its text.
+/// Writes numbers into the attributes `xyz` and `rpy`, which were read as `old`; values equal to rounding keep their text.
 pub(crate) fn write(
     source: &SourceText,
     edits: &mut Edits,
@@ -52,10 +52,10 @@ pub(crate) fn write_xyz(source: &SourceText, edits: &mut Edits, node: Node, xyz:
     }
 }
 
-/// A joint's origin as numbers, put in where there is none; words stay that are exactly these numbers.
+/// Writes a joint's origin, added if missing; text that already is exactly these numbers stays.
 pub fn joint_origin(source: &SourceText, edits: &mut Edits, joint: Node, numbers: &Numbers) {
     match joint.children().find(|child| is(child, "origin")) {
-        // What stays, to rounding, keeps its text: the export of an export is the export.
+        // Values equal to rounding keep their text: exporting an export changes nothing.
         Some(origin) if numbers_of(origin).is_some_and(|old| same_to_rounding(&old, numbers)) => {}
         Some(origin) => {
             write_xyz(source, edits, origin, numbers.xyz, 0.0);
@@ -74,7 +74,7 @@ fn same_to_rounding(one: &Numbers, other: &Numbers) -> bool {
     (a - b).amax() <= ROUNDING * (1.0 + a.amax()) && se3::rotation_angle(&back) <= ROUNDING
 }
 
-/// A joint's axis as it was meant, where that is another than is written.
+/// A joint's axis as intended, if it differs from the written one.
 pub(crate) fn axis_as_meant(source: &SourceText, edits: &mut Edits, joint: Node, axis: [f64; 3]) {
     let found = joint.children().find(|child| is(child, "axis"));
     let written = found.and_then(|axis| several_of::<3>(axis.attribute("xyz")?));
@@ -120,7 +120,7 @@ pub(crate) fn numbers_as(node: Node, reading: Reading) -> Option<Numbers> {
     Some(Numbers { xyz, rpy: read.rpy })
 }
 
-/// The attributes `xyz` and `rpy` or `quat_xyzw`, 0 where missing; `None` where they are no numbers.
+/// The attributes `xyz` and `rpy` or `quat_xyzw`, 0 where missing; `None` if they are not numbers.
 pub fn numbers_of(node: Node) -> Option<Numbers> {
     let three = |name| node.attribute(name).map_or(Some([0.0; 3]), several_of);
     let rpy = match node.attribute("quat_xyzw") {

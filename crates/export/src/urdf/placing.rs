@@ -1,4 +1,4 @@
-//! Elements beside links and joints, which may place something in the frame of a link.
+//! Elements other than links and joints, which may contain a pose in the frame of a link.
 
 use super::nodes::Nodes;
 use denavit_model::element::Element;
@@ -6,7 +6,7 @@ use denavit_model::robot::Robot;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
-/// An element beside links and joints that may place something.
+/// An element other than a link or joint that may contain a pose.
 pub struct Placing<'a, 'input> {
     /// As it was read.
     pub element: &'a Element,

@@ -1,4 +1,4 @@
-//! The table that is in a canonical URDF.
+//! Reads the table of a canonical URDF.
 
 use super::bodies::{Bodies, has_axis};
 use super::from_table::is_made_from_table;
@@ -12,13 +12,13 @@ use denavit_model::se3::Pose;
 use denavit_model::tree::Reading;
 use std::f64::consts::{PI, TAU};
 
-/// The Denavit-Hartenberg numbers as joint origins have them, where every joint from base to tip is in canonical form;
-/// `None` where one is not.
+/// The Denavit-Hartenberg numbers of the joint origins, if every joint from base to tip is in canonical form;
+/// otherwise `None`.
 ///
-/// What the file has, angles within half a turn (of a file that [`super::from_table`] made digit for digit): the gauge is the
-/// file's. The part from the last joint to the tip is a row and a tool
-/// part as they stand where [`super::from_table`] made the file; else they are chosen as in a table of the robot
-/// ([`denavit_dh::convert::last_row`]). `None`, too, where the last joint carries the tip itself.
+/// The numbers and the gauge are those of the file, with angles within half a turn (digit for digit if
+/// [`super::from_table`] made the file). In such a file the part from the last joint to the tip is a row and a tool
+/// part; in other files they are chosen as in a table of the robot ([`denavit_dh::convert::last_row`]). Also `None`
+/// if the last joint carries the tip itself.
 pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: Reading) -> Option<Table> {
     let chain = robot.chain(base, tip, reading).ok()?.value;
     let bodies = Bodies::of(robot, reading);
@@ -60,7 +60,7 @@ pub fn read_off(robot: &Robot, base: Option<&str>, tip: Option<&str>, reading: R
         }
         joints.push(TableJoint { name: of.name.clone(), motion, coordinate: of.coordinate, scale: z * of.scale });
     }
-    // A tip that a joint carries itself has a frame of its own, which is a row by chance at best.
+    // The frame of a tip that a joint carries directly is a row only by chance.
     if left.peek().is_some() || between.is_empty() && !joints.is_empty() {
         return None;
     }
@@ -108,7 +108,7 @@ fn is_nothing(numbers: &Numbers) -> bool {
     *numbers == Numbers::default()
 }
 
-/// The row of a joint's origin behind fixed joints, a mimic's offset of the joint before it taken in.
+/// The row of a joint's origin after fixed joints, including the mimic offset of the previous joint.
 fn row_with(between: &[Numbers], origin: Numbers, size: f64, offset: (f64, f64)) -> Option<Row> {
     if between.iter().all(is_nothing) {
         return taken_in(row_of(&origin, size)?, offset);
@@ -125,7 +125,7 @@ fn taken_in(row: Row, (turn, slide): (f64, f64)) -> Option<Row> {
     }
 }
 
-/// The last row and the tool part: as they stand in a file that was made from a table, else as in a table of the robot.
+/// The last row and the tool part: from the file if it was made from a table, otherwise as in a table of the robot.
 fn tail(
     between: &[Numbers],
     made_from_table: bool,

@@ -1,4 +1,4 @@
-//! Everything that a text gives in the frame of a link, given in the link's new frame.
+//! Re-expresses everything given in the frame of a link in the link's new frame.
 
 use super::bodies::{Bodies, has_axis};
 use super::edit::{Edits, written_tag};
@@ -17,7 +17,7 @@ use denavit_model::tree::Reading;
 use roxmltree::{Document, Node};
 use std::collections::{BTreeMap, HashSet};
 
-/// Links that get other frames, and the text that is given in the old ones.
+/// Links with new frames, and the text that refers to the old ones.
 pub struct Moves<'a> {
     source: &'a SourceText,
     /// How angles of shapes and centres of mass are read.
@@ -55,7 +55,7 @@ impl<'a> Moves<'a> {
         Self { source: &robot.source, reading, new_from_old, by_name }
     }
 
-    /// The `<origin>` children of an element, moved; one is put in where there is none.
+    /// Moves the `<origin>` children of an element; adds one if there is none.
     fn origins_in(&self, edits: &mut Edits, element: Node, step: &Pose, reading: Reading) {
         let mut found = false;
         for origin in element.children().filter(|child| is(child, "origin")) {
@@ -70,7 +70,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// The shapes and the mass of a link, given in a frame that `step` leads to.
+    /// Re-expresses the shapes and the mass of a link in the frame that `step` leads to.
     pub fn shapes(&self, edits: &mut Edits, link: Node, step: &Pose) {
         let shape =
             |part: &Node| part.is_element() && matches!(part.tag_name().name(), "inertial" | "visual" | "collision");
@@ -80,7 +80,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// What another element places in a link's frame, each in its own notation.
+    /// Moves the poses of another element in a link's frame, each in its own notation.
     fn element(&self, edits: &mut Edits, placing: &Placing) -> Result<(), ExportError> {
         let Placing { element, owner, inside, .. } = placing;
         let found = posed::in_element(element, *owner);
@@ -140,7 +140,7 @@ impl<'a> Moves<'a> {
         Ok(())
     }
 
-    /// A sensor's `<pose>` that is no pose would be left behind by the frame.
+    /// Refuses a sensor's `<pose>` that is not a pose, because it cannot follow the frame.
     fn refuse_what_is_no_pose(&self, element: &Element, found: &[Posed]) -> Result<(), ExportError> {
         let Some(top) = element.nodes.first() else { return Ok(()) };
         let moves =
@@ -150,18 +150,18 @@ impl<'a> Moves<'a> {
         };
         if moves && element.nodes.iter().enumerate().any(lost) {
             let place = self.source.place(element.at, element.label());
-            let what = "a <pose> in it is no pose, so it cannot be moved along with its link's frame; write x y z roll pitch yaw, \
+            let what = "its <pose> is not a valid pose, so it cannot move with its link; write x y z roll pitch yaw, \
                         or with rotation_format=\"quat_xyzw\" x y z and a quaternion";
             return Err(ExportError::NotCarried { place, what: what.into() });
         }
         Ok(())
     }
 
-    /// Everything in a link whose frame moves, written anew: shapes, centres of mass, and what other elements
-    /// place there. Joints are not touched.
+    /// Rewrites everything in a link whose frame moves: shapes, centres of mass, and poses in other elements.
+    /// Joints are not touched.
     ///
     /// # Errors
-    /// A place that cannot be written anew.
+    /// A pose that cannot be rewritten.
     pub fn contents(
         &self,
         robot: &Robot,
@@ -180,7 +180,7 @@ impl<'a> Moves<'a> {
         Ok(())
     }
 
-    /// What programs beside the robot are told by link name: they get the new frames.
+    /// Notes on settings that name links: they now apply to the new frames.
     pub fn plugins_that_name(&self, robot: &Robot, document: &Document) -> Vec<Note> {
         let named = document.descendants().filter(|node| {
             let names = node.is_element() && node.first_element_child().is_none();
@@ -193,8 +193,8 @@ impl<'a> Moves<'a> {
         let tag = first.tag_name().name();
         let place = robot.source.place(first.range().start, format!("<{tag}>"));
         let what = format!(
-            "simulator settings name links whose frames move ({} in all, this one \"{}\"); they now act at the new frames, \
-             ‹keep-link-frames› leaves the old ones where they are",
+            "simulator settings name links whose frames move ({} in total, this one \"{}\"); they now act at the new \
+             frames, ‹keep-link-frames› keeps the old frames",
             named.len(),
             first.text().unwrap_or_default().trim()
         );
@@ -204,7 +204,7 @@ impl<'a> Moves<'a> {
     fn unfaithful(&self, at: usize) -> ExportError {
         ExportError::Unfaithful {
             file: self.source.file.clone(),
-            what: format!("a place in line {} does not stand in the text itself", self.source.line(at)),
+            what: format!("a pose at line {} is not in the text itself", self.source.line(at)),
         }
     }
 }
@@ -214,7 +214,7 @@ fn cleaned(vector: &Vector3<f64>, step: &Pose) -> Vector3<f64> {
     vector.map(|x| clean(x, scale))
 }
 
-/// Moves joint origins and axes, and everything that is given in a link whose frame moves.
+/// Moves joint origins and axes, and everything given in a link whose frame moves.
 pub(crate) fn edit(
     robot: &Robot,
     document: &Document,

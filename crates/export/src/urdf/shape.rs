@@ -1,4 +1,4 @@
-//! Whether joint origins are rows already.
+//! Whether joint origins already are rows.
 
 use super::bodies::has_axis;
 use super::written::{Numbers, clean};
@@ -8,18 +8,18 @@ use denavit_model::nalgebra::{Unit, Vector3};
 use denavit_model::robot::Robot;
 use denavit_model::se3;
 
-/// Rounding of a row that was written and read again: rad, and m relative to the origin's own length.
+/// Rounding of a row after writing and reading: rad, and m relative to the origin's length.
 const WRITTEN: f64 = 1e-14;
 
-/// The same for a frame that is only looked at by the axis behind it.
+/// The same for a frame that is judged only by the next axis.
 const ACROSS: f64 = 4e-14;
 
-/// Axes closer to parallel than this (rad) may have Hayati's row; as may those whose feet lie farther than this many
-/// times the robot's size.
+/// Axes closer to parallel than this (rad), or with the foot of their common normal farther away than this many times
+/// the robot's size, may have Hayati's row.
 const SURELY_PARALLEL: f64 = 1e-5;
 const FAR: f64 = 1.0;
 
-/// Axes farther than this (rad) from parallel have a D-H row like any others.
+/// Axes farther than this (rad) from parallel have an ordinary D-H row.
 const NEARLY_PARALLEL: f64 = 0.3;
 
 pub(crate) fn has_z_axis(robot: &Robot, index: usize) -> bool {
@@ -63,7 +63,7 @@ pub(crate) fn row_within(origin: &Numbers, size: f64, carried: f64) -> Option<Ro
     }))
 }
 
-/// Whether z and the axis behind are so nearly parallel that their common normal is no place for a frame.
+/// Whether z and the next axis are too close to parallel to place a frame on their common normal.
 fn is_nearly_parallel(origin: &Numbers, axis: &Vector3<f64>, size: f64) -> bool {
     let tilt = se3::angle_between(&Vector3::z(), axis).min(se3::angle_between(&-Vector3::z(), axis));
     let normal = Vector3::z().cross(axis);
@@ -72,7 +72,7 @@ fn is_nearly_parallel(origin: &Numbers, axis: &Vector3<f64>, size: f64) -> bool 
     tilt > ROUNDING && tilt < NEARLY_PARALLEL && (foot.abs() > FAR * size || tilt < SURELY_PARALLEL)
 }
 
-/// The length whose products with cosine and sine are what is written: the shortest of those that rounding allows.
+/// The length whose products with cosine and sine give the written numbers: the decimal with the fewest digits.
 fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
     let shorter = (12..=16).map(|digits| format!("{along:.digits$e}").parse::<f64>().unwrap_or(along));
     let neighbours = (0..8u32).scan(along.next_down().next_down().next_down().next_down(), |at, _| {
@@ -85,14 +85,14 @@ fn exact_length(along: f64, [x, y]: [f64; 2], [cosine, sine]: [f64; 2]) -> f64 {
     candidates.iter().find(exactly).or_else(|| candidates.iter().find(cleaned)).map_or(along, |a| *a) + 0.0
 }
 
-/// Whether the frame that an origin is given in lies at the foot of the common normal of its z and the axis behind, its x
+/// Whether the reference frame of an origin is at the foot of the common normal of its z and the next axis, its x
 /// along that normal: the origin is Rx(alpha) Tx(a) Rz(theta) Tz(d) where the axis is its z. Or the two are nearly parallel.
 pub(crate) fn is_proximal(origin: &Numbers, axis: &Unit<Vector3<f64>>, size: f64) -> bool {
     let direction = se3::rotation_from_rpy(origin.rpy) * axis.as_ref();
     let [x, y, z] = origin.xyz;
     // A frame that was placed along an axis carries the rounding of the robot's size.
     let length = x.abs().max(y.hypot(z)).max(size);
-    // A line that is across x and meets it.
+    // A line perpendicular to x that intersects it.
     let across = y * direction.z - z * direction.y;
     direction.x.abs() <= ACROSS && across.abs() <= ACROSS * length || is_nearly_parallel(origin, &direction, size)
 }

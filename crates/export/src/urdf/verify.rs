@@ -1,4 +1,4 @@
-//! Whether two robots are one: every shape, centre of mass and tensor at joint values that move all joints.
+//! Whether two robots are equal: every shape, centre of mass and tensor at joint values that move all joints.
 
 use super::ExportError;
 use super::bodies::Bodies;
@@ -10,13 +10,13 @@ use denavit_model::tree::Reading;
 use denavit_model::urdf;
 use std::collections::HashMap;
 
-/// Shapes may differ by this many times the robot's size, m, and by as much in rad.
+/// Allowed deviation of shapes, relative to the robot's size and in rad.
 const SAME: f64 = 1e-11;
 
-/// `stays`: the links whose frames must be where they were.
+/// `stays`: the links whose frames must not move.
 ///
 /// # Errors
-/// The text is no URDF, or its robot is another one.
+/// The text is not a URDF, or its robot differs.
 pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str, stays: &[bool]) -> Result<(), ExportError> {
     let made = urdf::read(&robot.source.file, text)?;
     let made_bodies = Bodies::of(&made, Reading::AsWritten);
@@ -48,7 +48,7 @@ pub(crate) fn same_robot(robot: &Robot, bodies: &Bodies, text: &str, stays: &[bo
     Ok(())
 }
 
-/// Whether a part of the text may stand where edits do not reach: in an XML entity, or in a second `<inertial>`.
+/// Whether a part of the text may be out of reach of edits: in an XML entity, or in a second `<inertial>`.
 fn is_hidden_from_edits(robot: &Robot) -> bool {
     let text = &robot.source.text;
     let links = robot.links.iter().filter(|link| link.inertial.is_some()).count();
@@ -59,7 +59,7 @@ fn inexact(robot: &Robot, what: String) -> ExportError {
     ExportError::Inexact { file: robot.source.file.clone(), what }
 }
 
-/// root_from_link at the joint values that `value` gives; joints of several values stand at zero.
+/// root_from_link at the joint values that `value` gives; joints with several values are at zero.
 pub(crate) fn poses(robot: &Robot, bodies: &Bodies, value: &dyn Fn(&Joint) -> f64) -> Vec<Pose> {
     let mut poses = vec![Pose::identity(); robot.links.len()];
     for link in &bodies.order {

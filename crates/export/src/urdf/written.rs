@@ -5,7 +5,7 @@ use denavit_model::nalgebra::Vector3;
 pub(crate) use denavit_model::se3::clean_angle;
 use denavit_model::se3::{self, Pose, written_rpy as rpy};
 
-/// Rounding of a product or two, relative to the numbers that went in.
+/// Rounding of one or two products, relative to their factors.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The shortest decimal that reads back as `value`; never `-0`.
@@ -21,15 +21,15 @@ pub fn three(values: [f64; 3]) -> String {
     values.map(word).join(" ")
 }
 
-/// `value` without what rounding added: a decimal of twelve places where one is as near as rounding, relative to
-/// `scale`, lets it be.
+/// `value` without rounding error: the decimal of twelve places that is within rounding, relative to
+/// `scale`, if there is one.
 pub fn clean(value: f64, scale: f64) -> f64 {
     let tolerance = ROUNDING * scale.max(value.abs());
     let rounded = (value * 1e12).round() / 1e12;
     if (rounded - value).abs() <= tolerance { rounded + 0.0 } else { value }
 }
 
-/// Where something sits, in the numbers that will be written.
+/// A pose in the numbers that will be written.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Numbers {
     /// m.

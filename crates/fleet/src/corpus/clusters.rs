@@ -1,14 +1,14 @@
-//! Files that are one mechanism, and mechanisms that are nearly one.
+//! Files of one mechanism, and similar mechanisms.
 
 use super::{CorpusFile, CorpusOptions, Near, in_parallel};
 use crate::error::FleetError;
 use denavit_compare::{Options, Scope, Verdict, compare};
 use std::collections::{BTreeMap, HashMap};
 
-/// Tips of two mechanisms are sampled this often: whether they are near is asked of many pairs.
+/// Number of samples for the tips of two mechanisms; low, because many pairs are compared.
 const SAMPLES: usize = 64;
 
-/// Sets that are joined until nothing is left to join.
+/// Disjoint sets (union-find).
 struct Joined(Vec<usize>);
 
 impl Joined {
@@ -26,7 +26,7 @@ impl Joined {
 
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
-        // The first one stands for all, so that the order of the files is that of the sets.
+        // The first one represents all, so the order of the files is that of the sets.
         self.0[a.max(b)] = a.min(b);
     }
 
@@ -40,8 +40,7 @@ impl Joined {
     }
 }
 
-/// Files whose fingerprints say that they move alike, the largest set first; files that are no robots, or that do not move,
-/// in none.
+/// Files with matching motion fingerprints, the largest set first; without files that are not robots or do not move.
 pub(super) fn mechanisms(files: &[CorpusFile]) -> Vec<Vec<usize>> {
     let mut joined = Joined::of(files.len());
     let mut first: HashMap<&str, usize> = HashMap::new();
@@ -59,7 +58,7 @@ pub(super) fn mechanisms(files: &[CorpusFile]) -> Vec<Vec<usize>> {
 
 /// Mechanisms whose axes and tips differ by no more than the tolerance.
 ///
-/// Compared are mechanisms with as many joints, the same kinds in their longest chain, and a size that allows it.
+/// Only mechanisms with the same number of joints, the same kinds in their longest chain, and similar size are compared.
 pub(super) fn near(
     files: &[CorpusFile],
     mechanisms: &[Vec<usize>],
@@ -97,7 +96,7 @@ pub(super) fn near(
     Ok(sets.map(|set| Near { tips_apart_m: widest(&set), mechanisms: set }).collect())
 }
 
-/// How far the tips of two robots are apart at most, where they are the same within a tolerance.
+/// Upper bound of the tip distance of two robots, if they are the same within a tolerance.
 ///
 /// # Errors
 /// A file that was a robot before cannot be read any more.

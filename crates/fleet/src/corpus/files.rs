@@ -1,4 +1,4 @@
-//! One file of a corpus: what it is, and which rules it breaks.
+//! One file of a corpus: its mechanism and its rule violations.
 
 use crate::error::FleetError;
 use denavit_compare::report::Level;
@@ -21,16 +21,16 @@ pub struct CorpusFile {
     pub chain: String,
     /// Its size, m.
     pub size_m: f64,
-    /// Of everything that it is.
+    /// Fingerprint of the whole robot.
     pub fingerprint: String,
-    /// The part of it that says how the robot moves.
+    /// The motion part of the fingerprint.
     pub motion: String,
-    /// What that part may be on another computer.
+    /// Alternatives of that part on another computer.
     #[serde(skip)]
     pub other_motions: Vec<String>,
-    /// Rules that it breaks.
+    /// Its rule violations.
     pub findings: Findings,
-    /// Why it is no robot; the rest is then empty.
+    /// Why it is not a robot; the rest is then empty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
 }
@@ -38,9 +38,9 @@ pub struct CorpusFile {
 /// Findings of a file, counted.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
-    /// That make a check fail.
+    /// Errors, which make a check fail.
     pub errors: usize,
-    /// Worth a look.
+    /// Warnings.
     pub warnings: usize,
     /// Codes of the rules, each once.
     pub rules: Vec<&'static str>,
@@ -73,19 +73,19 @@ pub fn robots_in(folder: &Path) -> Result<Vec<String>, FleetError> {
     }
     found.sort();
     if found.is_empty() {
-        let message = "there is no URDF and no xacro file in this folder; name another";
+        let message = "this folder has no URDF or xacro file; name another";
         return Err(FleetError::manifest(folder.display().to_string(), message));
     }
     Ok(found)
 }
 
-/// What a file is, at a tolerance of its fingerprint.
+/// Analyses a file, at a tolerance of its fingerprint.
 pub(super) fn examine(name: &str, tolerance: f64) -> CorpusFile {
     let read = catch_unwind(AssertUnwindSafe(|| {
         let (file, text) = denavit_load::read_text(name).map_err(plain)?;
         look_at(&file, &text, tolerance)
     }));
-    let read = read.unwrap_or_else(|_| Err("a mistake in denavit; please report it with this file".into()));
+    let read = read.unwrap_or_else(|_| Err("a bug in denavit; please report it with this file".into()));
     read.unwrap_or_else(|error| {
         let (empty, findings) = (String::new, Findings::default());
         let (robot, chain, fingerprint, motion) = (empty(), empty(), empty(), empty());

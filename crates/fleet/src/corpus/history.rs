@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What became of a robot's file in a commit.
+/// How a commit changed a robot's file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Became {
@@ -16,13 +16,13 @@ pub enum Became {
     New,
     /// It is gone.
     Removed,
-    /// It moves otherwise.
+    /// Its motion changed.
     Motion,
-    /// It moves as before, but weighs or shows something else.
+    /// It moves as before, but masses or shapes changed.
     Matter,
     /// Another text of the same robot.
     Same,
-    /// One of the two texts is no robot.
+    /// One of the two texts is not a robot.
     Unreadable,
 }
 
@@ -37,12 +37,12 @@ pub struct GitChange {
     pub subject: String,
     /// The file, from the top of the repository.
     pub path: String,
-    /// What became of it.
+    /// How it changed.
     pub became: Became,
     /// Fingerprint after it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
-    /// Why a text is no robot.
+    /// Why a text is not a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
 }

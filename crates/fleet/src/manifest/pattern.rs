@@ -1,10 +1,10 @@
-//! A pattern of folders: `nights/{serial}/{date}.csv` with the robot said for all.
+//! A pattern of folders: `nights/{serial}/{date}.csv` with one robot for all.
 
 use super::{Entry, Words, entry};
 use crate::error::FleetError;
 use std::path::{Path, PathBuf};
 
-/// The files that a pattern finds, as entries whose data they are; in the order of their names.
+/// The files that match a pattern, as the data of entries; in the order of their names.
 pub(super) fn entries(pattern: &str, defaults: &Words) -> Result<Vec<Entry>, FleetError> {
     let mut found = vec![(PathBuf::new(), Words::new())];
     let parts: Vec<_> = Path::new(pattern).components().collect();
@@ -39,10 +39,7 @@ pub(super) fn entries(pattern: &str, defaults: &Words) -> Result<Vec<Entry>, Fle
     }
     found.retain(|(path, _)| path.is_file());
     if found.is_empty() {
-        return Err(FleetError::manifest(
-            pattern,
-            "no file is called so; write a pattern like nights/{serial}/{date}.csv",
-        ));
+        return Err(FleetError::manifest(pattern, "no file matches; write a pattern like nights/{serial}/{date}.csv"));
     }
     let of = |(path, words): (PathBuf, Words)| {
         let name = path.to_string_lossy().into_owned();
@@ -56,7 +53,7 @@ pub(super) fn entries(pattern: &str, defaults: &Words) -> Result<Vec<Entry>, Fle
     found.into_iter().map(of).collect()
 }
 
-/// What the placeholders of a pattern's part stand for in a name: each as little as possible, at least one character.
+/// The values of a pattern's placeholders in a name: each as short as possible, at least one character.
 fn matched(pattern: &str, name: &str) -> Option<Words> {
     let Some(start) = pattern.find(['{', '*']) else { return (pattern == name).then(Words::new) };
     let rest = name.strip_prefix(&pattern[..start])?;

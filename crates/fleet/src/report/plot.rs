@@ -3,7 +3,7 @@
 use crate::statistics::trend::Point;
 use std::fmt::Write as _;
 
-/// More points of one line are thinned: nobody sees them.
+/// Lines with more points are thinned, which is invisible.
 const POINTS: usize = 60;
 
 /// A line as wide as a word.

@@ -1,8 +1,8 @@
-//! Which of many tests may be called discoveries.
+//! Control of the false discovery rate in many tests.
 
-/// Benjamini and Hochberg's step-up rule: among what it marks, the expected share of mistakes is at most `rate`.
+/// Benjamini and Hochberg's step-up rule: among the discoveries, the expected fraction of false ones is at most `rate`.
 ///
-/// It holds for tests that do not depend on each other, as those of different robots, and for positive dependence.
+/// It is valid for independent tests, such as those of different robots, and for positive dependence.
 ///
 /// # Reference
 /// Y. Benjamini, Y. Hochberg, "Controlling the false discovery rate", J. R. Statist. Soc. B 57 (1995), 289-300.

@@ -1,35 +1,35 @@
-//! What robots share, all numbers of a robot together: mean and covariance over the population, each robot measured in other
+//! Multivariate population of robots: mean and covariance of all numbers of a robot, where each robot is measured in other
 //! directions and to another accuracy.
 //!
 //! ```text
-//! robot i:    θᵢ ~ N(μ, Σ / uᵢ),  uᵢ ~ χ²(ν)/ν      its rows say exp(-½ θᵢᵀ Λᵢ θᵢ + ηᵢᵀ θᵢ)
-//! mean:       μ ~ N(0, D),  D the drawing's covariance
+//! robot i:    θᵢ ~ N(μ, Σ / uᵢ),  uᵢ ~ χ²(ν)/ν      likelihood of its rows exp(-½ θᵢᵀ Λᵢ θᵢ + ηᵢᵀ θᵢ)
+//! mean:       μ ~ N(0, D),  D the covariance of the nominal prior
 //! ```
-//! Σ is learned by expectation and maximisation (Dempster, Laird, Rubin 1977) with the mean integrated out, so that few robots do
-//! not look more alike than they are. It is learned in two steps. First how well the series is made: the drawing's covariance
-//! with a factor of its own for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), with S what the robots' deviations give by
-//! themselves: T counts as κ robots, and κ is the one with which each robot is best predicted by all the others. The weights uᵢ
-//! (Lange, Little, Taylor 1989) keep a robot that is unlike all others from passing for the spread of the series. They make the
-//! normal robots' covariance too small by a known factor, which is given back at the end (`consistency`): Σ is the covariance of
-//! robots that had no accident.
+//! Σ is learned by expectation and maximisation (Dempster, Laird, Rubin 1977) with the mean integrated out, so that a few robots do
+//! not give too small a spread. It is learned in two steps. First the accuracy of the series: the nominal covariance
+//! with a factor for each kind of error (T). Then Σ = (N S + κ T) / (N + κ), where S is the estimate from the robots'
+//! deviations alone: T counts as κ robots, and κ is chosen so that all other robots predict each robot best. The weights uᵢ
+//! (Lange, Little, Taylor 1989) keep an outlying robot from inflating the spread of the series. They make the covariance of
+//! normal robots too small by a known factor, which is corrected at the end (`consistency`): Σ is the covariance of
+//! robots without an accident.
 
 use denavit_model::nalgebra::{DMatrix, DVector};
 
-/// Degrees of freedom of a robot's deviation: normal in the middle, but for robots that had an accident.
+/// Degrees of freedom of a robot's deviation: nearly normal, with heavy tails for robots that had an accident.
 const TAILS: f64 = 8.0;
-/// Robots that the drawing's pattern may count as; the last: nothing else counts.
+/// Candidate numbers of robots that the nominal pattern counts as; with the last, only the pattern counts.
 const COUNTS_AS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 128.0, f64::INFINITY];
-/// Steps at most of a learning, and the relative change that is the last.
+/// Maximum number of iterations, and the relative change at convergence.
 const MOST_STEPS: usize = 60;
 const SMALL_STEP: f64 = 1e-3;
-/// Share of the drawing's variance that no direction is known better than: robots are not the same to the bit.
+/// Smallest variance of any direction, as a fraction of the nominal variance: robots are never identical.
 const LEAST_SPREAD: f64 = 1e-6;
-/// Share of the largest that is rounding.
+/// Fraction of the largest value that counts as rounding.
 const ROUNDING: f64 = 1e-10;
-/// Fewer robots tell no spread.
+/// Fewer robots do not determine a spread.
 pub const LEAST_ROBOTS: usize = 3;
 
-/// What a robot's rows say: information Λ and pull η.
+/// The information of a robot's rows: Λ and η.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotInformation {
     /// Λ.
@@ -43,17 +43,17 @@ pub struct RobotInformation {
 pub struct Hierarchy {
     /// Its mean.
     pub mean: DVector<f64>,
-    /// Covariance of that mean: how badly it is known.
+    /// Covariance of the estimated mean.
     pub mean_covariance: DMatrix<f64>,
-    /// Covariance among robots that had no accident.
+    /// Covariance among robots without an accident.
     pub among: DMatrix<f64>,
-    /// For each kind of error its spread over that of the drawing.
+    /// For each kind of error, its spread relative to the nominal one.
     pub factors: Vec<f64>,
-    /// Robots that the drawing's pattern counts as.
+    /// Number of robots that the nominal pattern counts as.
     pub counts_as: f64,
-    /// How much each robot counts: about 1, near 0 for one that is unlike all others.
+    /// Weight of each robot: about 1, near 0 for an outlier.
     pub weights: Vec<f64>,
-    /// What Student's distribution has in place of `among`, and of the pattern.
+    /// The scale matrices of Student's distribution for `among` and for the pattern.
     shape: DMatrix<f64>,
     pattern: DMatrix<f64>,
 }
@@ -62,12 +62,12 @@ pub struct Hierarchy {
 struct Round {
     mean: DVector<f64>,
     mean_covariance: DMatrix<f64>,
-    /// Expected square of each robot's deviation, weighed.
+    /// Expected weighted square of each robot's deviation.
     squares: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
-    /// Of how many directions the rows tell, on the average.
+    /// Average number of directions that the rows determine.
     informed: f64,
-    /// What each robot adds to precision and pull of the mean.
+    /// Each robot's contribution to the information matrix and vector of the mean.
     of_mean: Vec<(DMatrix<f64>, DVector<f64>)>,
 }
 
@@ -80,7 +80,7 @@ impl Round {
 }
 
 impl Hierarchy {
-    /// Learns it. `sources`: for each kind of error what its standard deviation by the drawing moves, a column for each.
+    /// Learns it. `sources`: for each kind of error, the parameter changes by its nominal standard deviations, one per column.
     /// `None`: fewer than [`LEAST_ROBOTS`].
     pub fn of(robots: &[&RobotInformation], sources: &[DMatrix<f64>]) -> Option<Self> {
         if robots.len() < LEAST_ROBOTS {
@@ -129,7 +129,7 @@ impl Hierarchy {
         tried.reduce(|best, next| if next.0 >= best.0 { next } else { best }).map(|(_, found)| found)
     }
 
-    /// The same learned on from here without one of the robots: the drawing's pattern, and what it counts as, stay.
+    /// Continues learning from here without one of the robots; the nominal pattern and its count stay.
     pub fn leaving_out(&self, robots: &[&RobotInformation], left_out: usize, sources: &[DMatrix<f64>]) -> Option<Self> {
         if robots.len() <= LEAST_ROBOTS {
             return None;
@@ -140,12 +140,12 @@ impl Hierarchy {
         Self { weights, ..self.clone() }.learned(&others, &drawing)
     }
 
-    /// Mean and covariance of a robot that is one more of them.
+    /// Predictive mean and covariance of another robot of the population.
     pub fn next(&self) -> (DVector<f64>, DMatrix<f64>) {
         (self.mean.clone(), &self.among + &self.mean_covariance)
     }
 
-    /// Expectation and maximisation until nothing changes.
+    /// Expectation and maximisation until convergence.
     fn learned(mut self, robots: &[&RobotInformation], drawing: &DMatrix<f64>) -> Option<Self> {
         let mut informed = 0.0;
         for _ in 0..MOST_STEPS {
@@ -162,7 +162,7 @@ impl Hierarchy {
         Some(self)
     }
 
-    /// What the robots give by themselves, and the pattern as this many more of them.
+    /// The estimate from the robots, and the pattern as this many additional robots.
     fn together(&self, square: &DMatrix<f64>, robots: usize) -> DMatrix<f64> {
         if self.counts_as.is_infinite() {
             return self.pattern.clone();
@@ -170,7 +170,7 @@ impl Hierarchy {
         (square * robots as f64 + &self.pattern * self.counts_as) / (robots as f64 + self.counts_as)
     }
 
-    /// Log probability of each robot's rows by all the others, summed: one step is taken back for each.
+    /// Summed log probability of each robot's rows given all others: for each, one step without the robot.
     fn predicted(&self, robots: &[&RobotInformation], drawing: &DMatrix<f64>) -> Option<f64> {
         let round = round(robots, &self.shape, drawing, &self.weights)?;
         let total = round.square() * robots.len() as f64;
@@ -239,7 +239,7 @@ fn round(robots: &[&RobotInformation], among: &DMatrix<f64>, drawing: &DMatrix<f
     Some(round)
 }
 
-/// What Student's distribution has in place of the covariance of normal robots, as a share of it, where the rows of each tell k
+/// Scale of Student's distribution as a fraction of the covariance of normal robots, if the rows of each determine k
 /// directions: c with c = E[(ν + k) / (ν + χ²ₖ / c) · χ²ₖ / k], so that 1 = (ν + k) E[1 / (νc + χ²ₖ₊₂)].
 ///
 /// It is the constant that makes this M-estimator of scatter consistent at the normal distribution (Lopuhaä 1989, Ann. Stat. 17,
@@ -266,8 +266,8 @@ fn consistency(informed: f64) -> f64 {
     f64::midpoint(low, high)
 }
 
-/// Logarithm of the probability of a robot's rows where it is drawn with this mean and covariance, up to what is the same for
-/// all of them, with the tails of a robot's deviation.
+/// Log probability of a robot's rows for this mean and covariance, up to a common constant, with the tails of a robot's
+/// deviation.
 fn log_probability(measured: &RobotInformation, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> Option<f64> {
     let eigen = measured.information.clone().symmetric_eigen();
     let least = eigen.eigenvalues.max() * ROUNDING;
@@ -306,7 +306,7 @@ mod tests {
         measured_by(seed, count, root, 6, 2.0)
     }
 
-    /// The same, measured by this many rows each of which tells a direction `gain` times as well as its noise is large.
+    /// The same, measured by this many rows, each with sensitivity `gain` in units of its noise.
     fn measured_by(
         seed: u64,
         count: usize,
@@ -354,11 +354,11 @@ mod tests {
         assert!(found.counts_as < 100.0 && found.factors[0] > 3.0 * found.factors[1], "{found:?}");
     }
 
-    /// Where rows tell a direction no better than robots differ in it, the steps end some per cent before they arrive.
+    /// If rows determine a direction no better than robots differ in it, the iteration ends some per cent before convergence.
     #[test]
     fn the_spread_of_normal_robots_is_neither_too_small_nor_too_large() {
         const RUNS: u32 = 2;
-        // As the drawing has it, alike within a kind of error: its pattern counts as some of the robots.
+        // As in the nominal pattern, equal within a kind of error: the pattern counts as some of the robots.
         let root = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 1.0, 0.3, 0.3]));
         for (rows, gain) in [(8, 50.0), (6, 4.0)] {
             let mut ratios = [0.0; SIZE];

@@ -1,27 +1,27 @@
-//! Changes that stay, told by medians: of some nights, and of as many before them, each against the median of the reference.
+//! Detects lasting changes by medians: of some nights, and of as many before them, each compared with the reference median.
 //!
-//! One bad night moves a median hardly at all, and the median of five nights with Student's tails of 4 degrees of freedom has nearly
-//! those of a normal distribution. Both medians must be off to the same side, so that neither needs to be as far off as one alone
-//! among thousands of robots. How the difference of two medians scatters is learned from the fleet like a night's scatter.
+//! One bad night hardly moves a median, and the median of five nights with Student's tails of 4 degrees of freedom has
+//! nearly normal tails. Both medians must deviate to the same side, so each needs a smaller deviation than a single median
+//! among thousands of robots. The scatter of the difference of two medians is learned from the fleet, like that of a night.
 
 use super::median;
 use super::vigil::{Night, Nights, Scatters, Watch};
 use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal};
 
-/// One robot's two medians, by the number that is surest.
+/// One robot's two medians, for its most significant number.
 pub(super) struct Test {
     pub number: usize,
-    /// Median of the last nights less that of the reference.
+    /// Median of the last nights minus that of the reference.
     pub change: f64,
     /// The same in units of a night's scatter.
     pub sigmas: f64,
-    /// The greater p-value of the two, for this number alone.
+    /// The larger p-value of the two, for this number alone.
     pub p_value: f64,
     /// Day of the first of the nights.
     pub since: i32,
 }
 
-/// How far medians are off the median of the nights just before them, over the fleet: each night counts once.
+/// Deviations of medians from the median of the nights just before them, over the fleet: each night counts once.
 pub(super) fn deviations(robots: &[Nights], number: usize, how: &Watch) -> Vec<f64> {
     let mut deviations = Vec::new();
     for robot in robots {
@@ -41,7 +41,7 @@ fn middle(values: &[f64]) -> f64 {
     median(&mut values.to_vec())
 }
 
-/// The test of the last nights after a reference; `None` where they are too few.
+/// The test of the last nights after a reference; `None` if they are too few.
 pub(super) fn test(reference: &[Night], others: &[Night], scatters: &Scatters, how: &Watch) -> Option<Test> {
     let first = others.len().checked_sub(2 * how.lasting)?;
     let (earlier, last) = others[first..].split_at(how.lasting);
@@ -66,11 +66,11 @@ pub(super) fn test(reference: &[Night], others: &[Night], scatters: &Scatters, h
     best
 }
 
-/// Where an alarm begins, so that a healthy fleet of this size raises no more than it may.
+/// The alarm threshold that keeps the false alarms of a healthy fleet of this size below the limit.
 pub(super) struct Limit {
     p_value: f64,
     shared: f64,
-    /// False alarms a night of a healthy fleet.
+    /// False alarms per night of a healthy fleet.
     pub expected_false: f64,
 }
 
@@ -92,7 +92,7 @@ impl Limit {
         p_value <= self.p_value
     }
 
-    /// Of a robot both of whose medians have such a p-value: all its numbers counted.
+    /// The p-value of a robot both of whose medians have such a p-value, corrected for all its numbers.
     pub fn p_value(&self, of_each: f64, numbers: usize) -> f64 {
         let limit = -normal().inverse_cdf((0.5 * of_each).max(1e-300));
         (2.0 * both_beyond(limit, self.shared, 2) * numbers as f64).clamp(f64::MIN_POSITIVE, 1.0)
@@ -103,8 +103,8 @@ fn normal() -> Normal {
     Normal::new(0.0, 1.0).expect("a standard deviation of 1")
 }
 
-/// Probability that `count` normal numbers which share this part of their variance are all beyond a limit on one side: integrated
-/// over what they share.
+/// Probability that `count` normal numbers with this shared fraction of variance all exceed a limit on one side: integrated
+/// over the shared part.
 pub(super) fn both_beyond(limit: f64, shared: f64, count: i32) -> f64 {
     let normal = normal();
     let step = 0.01;

@@ -1,16 +1,15 @@
-//! What robots share: mean and spread of a number over the population, each robot's number in the light of it, and those that
-//! stand out.
+//! Mean and spread of a number over the population, shrinkage estimates of each robot's number, and outliers.
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-/// Among more robots one does not hide itself: only those that stand out anyway are compared with the others alone.
+/// With more robots one cannot mask itself: only suspected outliers are then compared with the others alone.
 const MANY: usize = 200;
-/// Standing out, in standard deviations.
+/// Deviation of a suspected outlier, in standard deviations.
 const STANDS_OUT: f64 = 2.5;
-/// Fewer robots are no population.
+/// Minimum number of robots of a population.
 pub const LEAST_ROBOTS: usize = 6;
 
-/// A robot's number as its own data say it, no prior in it.
+/// A robot's number from its own data, without a prior.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// The number.
@@ -20,8 +19,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The number without the prior that was fitted with it: N(0, std² / held), where `held` is the share of the spread that
-    /// is the prior's. `None`: the data say less than the prior.
+    /// The number without the prior that was fitted with it: N(0, std² / held), where `held` is the prior's share of the spread.
+    /// `None`: the data say less than the prior.
     pub fn without_prior(value: f64, std: f64, held: f64) -> Option<Self> {
         let free = 1.0 - held;
         (free >= 0.5 && std > 0.0).then(|| Self { value: value / free, std: std / free.sqrt() })
@@ -35,13 +34,13 @@ pub struct Population {
     pub mean: f64,
     /// Standard deviation of the mean.
     pub mean_std: f64,
-    /// Standard deviation among robots, measurement taken away.
+    /// Standard deviation among robots, without measurement noise.
     pub spread: f64,
 }
 
 impl Population {
     /// Mean and spread by the method of Paule and Mandel: the spread at which the weighted squares are as many as there are
-    /// degrees of freedom; 0 where the measurements alone scatter as much. `None` for fewer than two.
+    /// degrees of freedom; 0 if the measurement noise explains the scatter. `None` for fewer than two.
     ///
     /// # Reference
     /// R. C. Paule, J. Mandel, "Consensus values and weighting factors", J. Res. NBS 87 (1982), 377-385.
@@ -74,7 +73,7 @@ impl Population {
         Some(Self { mean, mean_std: (1.0 / total).sqrt(), spread: variance.sqrt() })
     }
 
-    /// A robot's number in the light of its siblings: the empirical Bayes estimate and its standard deviation.
+    /// A robot's number given its siblings: the empirical Bayes estimate and its standard deviation.
     pub fn shrunk(&self, robot: Measured) -> Measured {
         let (own, among) = (robot.std.powi(2), self.spread.powi(2) + self.mean_std.powi(2));
         let share = among / (own + among);
@@ -82,20 +81,20 @@ impl Population {
     }
 }
 
-/// A robot that stands out in a number.
+/// An outlier in a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlier {
     /// Which robot, by place.
     pub robot: usize,
-    /// How far off its siblings, in standard deviations of a sibling measured as it was.
+    /// Deviation from its siblings, in standard deviations of a sibling with the same measurement accuracy.
     pub sigmas: f64,
-    /// Probability of one as far off by chance, for this robot and number alone.
+    /// Probability of such a deviation by chance, for this robot and number alone.
     pub p_value: f64,
-    /// Its number less the siblings' mean.
+    /// Its number minus the siblings' mean.
     pub off: f64,
 }
 
-/// How far each robot is off its siblings: the population is that of the others, so that one robot does not hide itself.
+/// Deviation of each robot from its siblings: the population is that of the others, so that no robot masks itself.
 /// Empty for fewer than [`LEAST_ROBOTS`].
 pub fn off_siblings(robots: &[Measured]) -> Vec<Outlier> {
     if robots.len() < LEAST_ROBOTS {

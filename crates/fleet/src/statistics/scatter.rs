@@ -1,13 +1,13 @@
-//! How much a number of a robot scatters from night to night, learned from the whole fleet, tails included.
+//! Scatter of a robot's number from night to night, learned from the whole fleet, including its tails.
 
 use super::median;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// Median of |x| of a normal distribution with standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
-/// Fewer degrees of freedom are not believed: the tails would hide everything.
+/// Minimum degrees of freedom: heavier tails would hide everything.
 const LEAST_FREEDOM: f64 = 3.0;
-/// More are a normal distribution.
+/// Maximum degrees of freedom, practically a normal distribution.
 const MOST_FREEDOM: f64 = 1e4;
 
 /// The scatter of one number from night to night.
@@ -15,16 +15,15 @@ const MOST_FREEDOM: f64 = 1e4;
 pub struct Scatter {
     /// Scale of Student's distribution, in the number's unit.
     pub scale: f64,
-    /// Its degrees of freedom: few where tails are heavy, or where little is known.
+    /// Its degrees of freedom: few if tails are heavy or data are few.
     pub freedom: f64,
 }
 
 impl Scatter {
-    /// Learned from deviations of quiet nights from the mean of the nights before, each in units of its spread: as wide as
-    /// one night's.
+    /// Learned from deviations of quiet nights from the mean of the nights before, scaled to the spread of one night.
     ///
-    /// The scale is that of the median, which a few sick robots do not move; the tails are matched where 1 in 10 lies
-    /// beyond, so that sick robots can only make them heavier, and the watch more careful. `None`: fewer than eight
+    /// The scale comes from the median, which is robust against a few sick robots; the tails are matched at the 90th
+    /// percentile, so that sick robots can only make them heavier and the watch more conservative. `None`: fewer than eight
     /// deviations, or no scatter at all.
     pub fn of(deviations: &[f64]) -> Option<Self> {
         let count = deviations.len();
@@ -49,8 +48,8 @@ impl Scatter {
         Some(Self { scale: middle / quantile(freedom, 0.75), freedom })
     }
 
-    /// Probability of a deviation at least as large, of either sign; `spread`: how much more than one night's the scatter
-    /// of the difference is.
+    /// Probability of a deviation at least as large, of either sign; `spread`: ratio of the scatter of the difference
+    /// to that of one night.
     pub fn p_value(&self, deviation: f64, spread: f64) -> f64 {
         let size = deviation.abs() / (self.scale * spread);
         (2.0 * student(self.freedom).sf(size)).clamp(f64::MIN_POSITIVE, 1.0)

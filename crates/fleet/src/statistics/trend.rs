@@ -1,11 +1,11 @@
-//! The history of one number of one robot: does it stay, drift, or step, and when does it leave its tolerance?
+//! The history of one number of one robot: steady, drift or step, and when it leaves its tolerance.
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// A number at one night.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Days from any day.
+    /// Days from an arbitrary day.
     pub day: f64,
     /// The number.
     pub value: f64,
@@ -13,7 +13,7 @@ pub struct Point {
     pub event: bool,
 }
 
-/// What a history is.
+/// The shape of a history.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// It scatters about its mean.
@@ -27,7 +27,7 @@ pub enum Shape {
 /// A change with time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// A week, in the number's unit.
+    /// Per week, in the number's unit.
     pub per_week: f64,
     /// Half the 95 % interval of that.
     pub half_interval_95: f64,
@@ -51,20 +51,20 @@ pub struct Step {
 /// When a drift leaves a tolerance, days; `None`: not in the next ten years.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Where the line does.
+    /// When the line does.
     pub day: f64,
-    /// Where the upper 95 % limit of the line does.
+    /// When the upper 95 % limit of the line does.
     pub earliest: f64,
-    /// Where the lower one does; `None`: perhaps never.
+    /// When the lower one does; `None`: perhaps never.
     pub latest: Option<f64>,
 }
 
-/// A change is one where chance makes such a one less often than this, all nights counted at which it may have been: there are
-/// some thirty numbers a robot, and thousands of robots.
+/// Significance level of a change, corrected for all nights at which it may have been: each robot has some thirty
+/// numbers, and there are thousands of robots.
 const BY_CHANCE: f64 = 1e-5;
-/// Nobody plans further.
+/// Horizon of the prediction.
 const HORIZON: f64 = 3653.0;
-/// Fewer nights have no history.
+/// Minimum number of nights of a history.
 pub const LEAST_NIGHTS: usize = 6;
 
 struct Line {
@@ -73,7 +73,7 @@ struct Line {
     slope: f64,
     /// Σ (day - mean)².
     spread: f64,
-    /// Sum of squares left.
+    /// Residual sum of squares.
     left: f64,
     count: f64,
 }
@@ -111,9 +111,9 @@ fn squares(points: &[Point]) -> f64 {
     points.iter().map(|point| (point.value - mean).powi(2)).sum()
 }
 
-/// What a history of at least six nights is: Student's tests of a line and of a step at any night, the surer of the two where it
-/// is sure. The p-value of a step is multiplied by the count of nights that were tried, unless an event is on record before it.
-/// Fewer nights are steady.
+/// Classifies a history of at least six nights by Student's tests of a line and of a step at any night: the more significant
+/// of the two, if significant. The p-value of a step is multiplied by the number of nights tried, unless an event is on
+/// record before it. Fewer nights count as steady.
 pub fn shape(points: &[Point]) -> Shape {
     let count = points.len();
     if count < LEAST_NIGHTS {
@@ -121,7 +121,7 @@ pub fn shape(points: &[Point]) -> Shape {
     }
     let n = count as f64;
     let constant = squares(points);
-    // A number that does not scatter at all tells nothing by its digits.
+    // The digits of a number without scatter have no information.
     if constant <= 0.0 {
         return Shape::Steady;
     }

@@ -1,14 +1,14 @@
-//! The nightly watch: which robots have changed, when thousands are asked every night.
+//! The nightly watch: which of thousands of robots have changed, tested every night.
 //!
-//! 1. A robot's first nights are its reference, anew after each event that is on record. A night's number is compared with
+//! 1. A robot's first nights are its reference, with a new one after each event on record. A night's number is compared with
 //!    the mean of the reference; the scatter from night to night is learned from the whole fleet ([`super::scatter`]).
 //! 2. A robot's p-value of a night is its smallest, times the count of its numbers (Bonferroni: numbers of one calibration
 //!    depend on each other).
-//! 3. Over the robots of a night Benjamini and Hochberg's rule marks discoveries.
-//! 4. An alarm is a robot that is marked again: in two of its last three nights, tonight's among them, by the same number in
-//!    the same direction.
-//! 5. Where tails are heavy a single night must be far off before it stands out. So a lasting change is an alarm, too: the median of
-//!    the last nights and the median of as many before them (`lasting`).
+//! 3. Benjamini and Hochberg's rule marks discoveries among the robots of a night.
+//! 4. A robot that is marked again raises an alarm: in two of its last three nights, including tonight, by the same number
+//!    in the same direction.
+//! 5. With heavy tails a single night must deviate far to be significant. A lasting change therefore also raises an alarm:
+//!    by the median of the last nights and the median of as many before them (`lasting`).
 
 use super::false_discovery::discoveries;
 use super::lasting::{self, Limit, both_beyond};
@@ -16,7 +16,7 @@ use super::scatter::Scatter;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A night is compared with the mean of at least this many before it, where the scatter is learned.
+/// To learn the scatter, a night is compared with the mean of at least this many nights before it.
 const LEAST_BEFORE: usize = 3;
 
 /// Nights of one robot.
@@ -29,15 +29,15 @@ pub struct Nights {
 /// One night of one robot.
 #[derive(Debug, Clone)]
 pub struct Night {
-    /// Counted from any day.
+    /// Counted from an arbitrary day.
     pub day: i32,
-    /// Whether something happened before it, so that the reference begins anew.
+    /// Whether an event happened before it, so that a new reference begins.
     pub event: bool,
     /// The robot's numbers, in an order that all robots share; `None`: not found this night.
     pub values: Vec<Option<f64>>,
 }
 
-/// How the watch is kept.
+/// Options of the watch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watch {
     /// False discovery rate over the robots of a night.
@@ -48,9 +48,9 @@ pub struct Watch {
     pub marked: usize,
     /// … of its last nights.
     pub of_last: usize,
-    /// Nights of a median, of two one after the other, that tell a lasting change.
+    /// Nights of each of the two consecutive medians that detect a lasting change.
     pub lasting: usize,
-    /// False alarms a night of a healthy fleet that lasting changes may raise.
+    /// Allowed false alarms per night of a healthy fleet by lasting changes.
     pub lasting_rate: f64,
 }
 
@@ -67,17 +67,17 @@ pub struct Alarm {
     pub robot: usize,
     /// Which of its numbers, by the smallest p-value tonight.
     pub number: usize,
-    /// Tonight's value less the reference's mean.
+    /// Tonight's value minus the reference's mean.
     pub change: f64,
     /// The same in units of its scatter.
     pub sigmas: f64,
-    /// Tonight's, of the robot: all its numbers counted.
+    /// Tonight's p-value of the robot, corrected for all its numbers.
     pub p_value: f64,
     /// Day of the first of the marks.
     pub since: i32,
 }
 
-/// What one night's watch says.
+/// The result of one night's watch.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Said {
     /// Robots that were measured and have a reference.
@@ -88,9 +88,9 @@ pub struct Said {
     pub tested: Vec<usize>,
     /// Marked tonight, by robot: not alarms yet.
     pub marked: Vec<usize>,
-    /// Alarms, the surest first.
+    /// Alarms, the most significant first.
     pub alarms: Vec<Alarm>,
-    /// False alarms expected of such a night if every robot is healthy.
+    /// Expected false alarms of such a night if every robot is healthy.
     pub expected_false: f64,
 }
 
@@ -147,7 +147,7 @@ pub fn watch(robots: &[Nights], numbers: usize, how: &Watch) -> Said {
     watch_of(robots, &scatters, tonight, how)
 }
 
-/// The watch of one night, with what is known of the scatter.
+/// The watch of one night, with the learned scatter.
 pub fn watch_of(robots: &[Nights], scatters: &Scatters, tonight: i32, how: &Watch) -> Said {
     // The last nights of each robot that is there tonight: what is marked in any of them.
     let mut by_day: BTreeMap<i32, Vec<(usize, Test)>> = BTreeMap::new();
@@ -232,11 +232,11 @@ fn test(reference: &[Night], night: &Night, scatters: &[Option<Scatter>]) -> Opt
     best.map(|best| Test { p_value: (best.p_value * f64::from(count)).min(1.0), ..best })
 }
 
-/// False alarms a night of a healthy fleet by single nights that are marked.
+/// False alarms per night of a healthy fleet by single marked nights.
 ///
-/// Where all are healthy, the rule marks as if each number were tested at rate / (robots · numbers). An alarm takes the same
-/// number on the same side again; two nights share the mean of the reference, which makes them depend: correlation
-/// 1 / (reference + 1). The bivariate normal probability is integrated over what they share.
+/// If all are healthy, the rule marks as if each number were tested at rate / (robots · numbers). An alarm needs the same
+/// number on the same side again; two nights share the mean of the reference, so they have correlation
+/// 1 / (reference + 1). The bivariate normal probability is integrated over the shared part.
 pub fn expected_false(robots: usize, numbers: usize, how: &Watch) -> f64 {
     if robots == 0 || numbers == 0 {
         return 0.0;

@@ -1,5 +1,5 @@
-//! The cells of a column as other programs may have written it: DuckDB, pandas and Polars keep the same numbers in columns without
-//! empty cells, of other widths, or as moments instead of days.
+//! Reads columns written by other programs: DuckDB, pandas and Polars may store the same numbers in columns without
+//! empty cells, with other widths, or as timestamps instead of days.
 
 use super::schema::Kind;
 use super::table::Cell;
@@ -12,7 +12,7 @@ use parquet::schema::types::ColumnDescriptor;
 /// The values of a column, `None` where there is none.
 type Values<T> = Vec<Option<T>>;
 
-/// A whole number up to here is the same as a floating point number.
+/// Largest integer that a floating point number represents exactly.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// The cells of a column of `count` rows.
@@ -26,7 +26,7 @@ pub(super) fn cells(
     count: usize,
 ) -> Result<Vec<Cell>, ParquetError> {
     if column.max_rep_level() > 0 {
-        return Err(ParquetError::General(format!("it holds lists, not {}", kind.name())));
+        return Err(ParquetError::General(format!("it holds lists instead of {}", kind.name())));
     }
     match reader {
         ColumnReader::ByteArrayColumnReader(typed) => {
@@ -49,14 +49,14 @@ pub(super) fn cells(
         }
         ColumnReader::Int96ColumnReader(_) | ColumnReader::FixedLenByteArrayColumnReader(_) => None,
     }
-    .ok_or_else(|| ParquetError::General(format!("it holds something else than {}", kind.name())))
+    .ok_or_else(|| ParquetError::General(format!("it does not hold {}", kind.name())))
 }
 
 fn each<T>(values: Values<T>, cell: impl Fn(T) -> Option<Cell>) -> Option<Vec<Cell>> {
     values.into_iter().map(|value| value.map_or(Some(Cell::Empty), &cell)).collect()
 }
 
-/// Decodes a column. One that is declared to have no empty cells has no levels that would tell them.
+/// Decodes a column. A column declared without empty cells has no definition levels.
 fn values<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     column: &ColumnDescriptor,
@@ -84,7 +84,7 @@ fn text(bytes: &ByteArray, kind: Kind) -> Option<Cell> {
     (kind == Kind::Text).then(|| Cell::from(String::from_utf8_lossy(bytes.data()).into_owned()))
 }
 
-/// pandas keeps whole numbers as floating point where some are missing, and its missing numbers are none.
+/// pandas stores integers as floating point if some are missing, and missing numbers as NaN.
 fn real(number: f64, kind: Kind) -> Option<Cell> {
     match kind {
         Kind::Real => Some(Cell::Real(number)),
@@ -95,7 +95,7 @@ fn real(number: f64, kind: Kind) -> Option<Cell> {
     }
 }
 
-/// What a column's whole numbers stand for.
+/// The meaning of a column's integers.
 #[derive(Clone, Copy)]
 enum Meaning {
     /// Themselves.

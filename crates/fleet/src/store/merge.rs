@@ -1,4 +1,4 @@
-//! Small files become one, and rows that newer ones replace go: a merge is done wholly, or by whoever opens the store next.
+//! Merges small files into one and removes replaced rows: an interrupted merge is finished when the store is next opened.
 
 use super::schema::{RUNS, TABLES, TableKind};
 use super::table::{Groups, Rows};
@@ -9,33 +9,33 @@ use sha2::{Digest, Sha256};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// What a merge is about to do.
+/// The plan of a merge.
 const JOURNAL: &str = ".merge.json";
 
 /// Names below the store's folder.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Plan {
-    /// Goes.
+    /// To be removed.
     remove: Vec<PathBuf>,
     /// Hidden name, name.
     rename: Vec<(PathBuf, PathBuf)>,
 }
 
 impl Store {
-    /// Merges the small files of finished runs, those in `gone` left out. Rows of runs that had failed (`before`) and were done again
+    /// Merges the small files of finished runs, except those in `gone`. Rows of failed runs (`before`) that were repeated
     /// are replaced.
     ///
     /// Runs that are being written meanwhile keep their files: only keys that have their row in `runs` are merged. Merged
-    /// files are written anew only where a run in `gone` is in them, each by itself, so that memory does not grow with the store.
+    /// files are rewritten only if they hold a run in `gone`, each by itself, so that memory does not grow with the store.
     ///
     /// # Errors
-    /// The system refuses; the store is then as before.
+    /// An operating system error; the store is then unchanged.
     pub(crate) fn merge(&self, gone: &HashSet<String>, before: &Runs) -> Result<(), FleetError> {
         let keys: HashSet<String> = self.files(&RUNS)?.iter().filter_map(|path| key_of(path)).collect();
         if keys.is_empty() && gone.is_empty() {
             return Ok(());
         }
-        // In merged files stand the failures that the small files replace.
+        // Merged files hold the failures that the small files replace.
         let again = keys.iter().filter(|key| before.failed.contains_key(*key));
         let old: HashSet<String> = gone.iter().chain(again).cloned().collect();
         let mut plan = Plan::default();
@@ -43,7 +43,7 @@ impl Store {
             let (small, merged): (Vec<_>, Vec<_>) =
                 self.files(table)?.into_iter().partition(|path| key_of(path).is_some());
             let ended = |path: &PathBuf| key_of(path).is_some_and(|key| keys.contains(&key));
-            // In the order of their names, so that the rows stand in that of their keys.
+            // In the order of their names, so that the rows are in the order of their keys.
             self.rewrite(table, &small.into_iter().filter(ended).collect::<Vec<_>>(), gone, &mut plan)?;
             for path in merged {
                 if holds(&path, table, &old)? {
@@ -53,13 +53,13 @@ impl Store {
         }
         // A file that keeps its name is replaced by the renaming.
         plan.remove.retain(|path| !plan.rename.iter().any(|(_, name)| name == path));
-        // What is about to take the place of others is on the disk, by its name, before the plan says so.
+        // The replacing files are on the disk, under their names, before the plan.
         self.sync_tables()?;
         self.write_plan(&plan)?;
         self.carry_out(&plan)
     }
 
-    /// The rows of some files, those of runs in `gone` left out, in one hidden file that the plan gives its name.
+    /// The rows of some files, without those of runs in `gone`, in one hidden file that the plan renames.
     fn rewrite(
         &self,
         table: &'static TableKind,
@@ -166,7 +166,7 @@ fn sync_folder(folder: &Path) -> Result<(), FleetError> {
     Ok(())
 }
 
-/// Whether a file holds rows of runs that go.
+/// Whether a file holds rows of removed runs.
 fn holds(path: &Path, table: &'static TableKind, gone: &HashSet<String>) -> Result<bool, FleetError> {
     let mut found = false;
     if !gone.is_empty() {

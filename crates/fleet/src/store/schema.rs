@@ -1,4 +1,4 @@
-//! The tables of a store: columns, units and what they mean; `docs/fleet-store.md` is made of this list.
+//! The tables of a store: columns, units and meanings; `docs/fleet-store.md` is generated from this list.
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub struct Column {
     pub kind: Kind,
     /// Of its numbers; empty where they have none.
     pub unit: &'static str,
-    /// What it says; empty cells where that does not apply.
+    /// Its meaning; cells are empty if it does not apply.
     pub meaning: &'static str,
     /// Stores of older versions do not have it: its cells are then empty.
     pub added: bool,
@@ -50,7 +50,7 @@ pub struct TableKind {
     pub name: &'static str,
     /// What a row is.
     pub row: &'static str,
-    /// Its columns behind [`COMMON`].
+    /// Its columns after [`COMMON`].
     pub own: &'static [Column],
 }
 
@@ -106,10 +106,10 @@ pub const RUNS: TableKind = TableKind {
             "",
             "calibrate: the stage adopted; check: clean, warned or failed; diff: same or different",
         ),
-        column("fingerprint", Text, "", "fingerprint of the drawn robot"),
+        column("fingerprint", Text, "", "fingerprint of the nominal robot"),
         column("rows_fitted", Count, "", "training rows"),
         column("rows_held_out", Count, "", "held-out rows"),
-        column("nominal_rms", Real, "m", "error of the drawing on held-out rows (training rows if there are none)"),
+        column("nominal_rms", Real, "m", "nominal error on held-out rows (training rows if there are none)"),
         column("geometric_rms", Real, "m", "with fitted geometry"),
         column("rms", Real, "m", "at the adopted stage"),
         column("structured", Flag, "", "residuals have unexplained structure"),
@@ -124,7 +124,7 @@ pub const RUNS: TableKind = TableKind {
 /// One row a parameter.
 pub const PARAMETERS: TableKind = TableKind {
     name: "parameters",
-    row: "a parameter of a joint: its change from the drawing (calibrate), or a number of the D-H table (table)",
+    row: "a parameter of a joint: its change from nominal (calibrate), or a number of the D-H table (table)",
     own: &[
         column("joint", Text, "", "joint; empty for base and tool"),
         column("parameter", Text, "", "turn_x … move_z, pitch, scale; theta, d, alpha, a, beta"),
@@ -139,7 +139,7 @@ pub const PARAMETERS: TableKind = TableKind {
 /// One row an axis.
 pub const AXES: TableKind = TableKind {
     name: "axes",
-    row: "the drawn screw axis of a joint, base frame; parameters are changes from it",
+    row: "the nominal screw axis of a joint, base frame; parameters are changes from it",
     own: &[
         column("joint", Text, "", "the joint"),
         column("omega_x", Real, "1", "direction; 0 if prismatic"),
@@ -227,7 +227,7 @@ pub const NOTES: TableKind = TableKind {
     ],
 };
 
-/// Every table; runs last, as its row says that the others are whole.
+/// Every table; `runs` last, because its row marks the others as complete.
 pub const TABLES: [&TableKind; 8] = [&INFORMATION, &AXES, &PARAMETERS, &EFFECTS, &CURVES, &RESIDUALS, &NOTES, &RUNS];
 
 /// The tables as the document shows them.

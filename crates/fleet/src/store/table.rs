@@ -80,7 +80,7 @@ impl Cell {
         if let Self::Count(number) = self { Some(*number) } else { None }
     }
 
-    /// Whether it says true.
+    /// Whether it is true.
     pub fn is_true(&self) -> bool {
         *self == Self::Flag(true)
     }
@@ -94,7 +94,7 @@ impl Cell {
 /// Takes the rows of one row group after the other.
 pub type Reader<'a> = dyn FnMut(&[Vec<Cell>]) -> Result<(), FleetError> + 'a;
 
-/// A row group holds no more, so that who reads or merges a file of any size has few rows in memory.
+/// Maximum rows of a row group, which bounds the memory for reading or merging a file of any size.
 const ROWS_IN_GROUP: usize = 16_384;
 
 /// Rows of one table, every column of it.
@@ -181,11 +181,11 @@ impl Rows {
         Ok(())
     }
 
-    /// Hands over the rows of a Parquet file, a row group after the other, so that memory does not grow with the file; of the
-    /// columns in `wanted` alone where they are named, the others are then empty.
+    /// Passes on the rows of a Parquet file, one row group at a time, so that memory does not grow with the file; if `wanted`
+    /// names columns, the others are empty.
     ///
     /// # Errors
-    /// The file is no Parquet, or has other columns; or `each` fails.
+    /// The file is not Parquet, or has other columns; or `each` fails.
     pub fn each_group(
         table: &'static TableKind,
         path: &Path,

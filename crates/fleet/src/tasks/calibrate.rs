@@ -151,7 +151,7 @@ fn remarks(report: &CalibrationReport, notes: &mut Vec<Vec<Cell>>) {
         notes.push(note("unidentifiable", &unseen.parameter, "note", &unseen.joint, unseen.why.clone()));
     }
     for far in &report.differs_from_drawing {
-        let message = format!("{} is {:.1} tolerances from the drawing", far.parameter, far.tolerances);
+        let message = format!("{} is {:.1} tolerances from the nominal model", far.parameter, far.tolerances);
         let mut row = note("drawing", &far.parameter, "warning", &far.joint, message);
         row[5] = far.value.into();
         row[6] = far.unit.into();
@@ -160,7 +160,7 @@ fn remarks(report: &CalibrationReport, notes: &mut Vec<Vec<Cell>>) {
     for place in report.unexplained.places.iter().filter(|_| report.unexplained.structured) {
         let at = place.joint.as_deref().or(place.covariate.as_deref()).unwrap_or_default();
         let message =
-            format!("{:.0} % of what is left is a function of {at}, which no effect explains", 100.0 * place.share);
+            format!("{:.0} % of the residual is a function of {at} that no effect explains", 100.0 * place.share);
         let mut row = note("unexplained", "", "note", at, message);
         row[5] = place.share.into();
         row[6] = "1".into();

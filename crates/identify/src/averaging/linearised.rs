@@ -1,4 +1,4 @@
-//! Rows of measurement as y = X b + e, about where the model stands.
+//! Measured rows as y = X b + e, linearised about the current model.
 
 use crate::arm::Arm;
 use crate::effects::everything::Everything;
@@ -12,21 +12,21 @@ use std::ops::Range;
 /// Some rows, linearised.
 ///
 /// With r the residual at numbers b₀ and J its derivatives, r + J (b - b₀) = e: y = r - J b₀, X = -J. The numbers of the model come first,
-/// then what is unknown of instruments, points and targets, counted from where they stand.
+/// then the unknowns of instruments, points and targets, relative to their current values.
 pub struct Linearised {
     /// X.
     pub columns: DMatrix<f64>,
     /// y, m and rad.
     pub data: DVector<f64>,
-    /// The values of each row of measurement, of rows that see several tips in one posture together; known lengths are rows of their own.
+    /// The values of each row; rows that see several tips in one posture are joined, known lengths are rows of their own.
     pub rows: Vec<Range<usize>>,
     /// The noise channel of each value; `None`: its standard deviation is 1.
     pub channels: Vec<Option<usize>>,
-    /// Of each row.
+    /// Weight of each row.
     pub weights: Vec<f64>,
-    /// Rows of the data in each, and how many values they have; none where it is a known length.
+    /// The data rows in each, and their numbers of values; none for a known length.
     pub sources: Vec<Vec<(usize, usize)>>,
-    /// How many columns are the model's.
+    /// Number of columns of the model.
     pub of_model: usize,
 }
 

@@ -1,9 +1,9 @@
-//! The few sizes of which prior and noise are made, by marginal likelihood.
+//! The few sizes that set prior and noise, found by marginal likelihood.
 //!
 //! Prior of each number: N(0, τ² scale²), one τ for each family; waves: times the spectral density of a squared exponential,
-//! √(2π) l exp(-(ω l)²/2). Noise of a row: [σ² for each channel + ρ² Σ_j J_j J_jᵀ]/w, ρ the repeatability of joints, w the row's weight. Minimised
-//! is the evidence plus what is expected of the sizes: half-Cauchy of a milliradian (or millimetre; less of play and runout) on each τ and ρ, normal
-//! distributions on ln κ (geometry, zeros), ln l and, about what geometry leaves, ln σ.
+//! √(2π) l exp(-(ω l)²/2). Noise of a row: [σ² for each channel + ρ² Σ_j J_j J_jᵀ]/w, ρ the repeatability of joints, w the row's weight.
+//! The search minimises -2 log evidence plus -2 log prior of the sizes: half-Cauchy of a milliradian (or millimetre; less for play and
+//! runout) on each τ and ρ, normal distributions on ln κ (geometry, zeros), ln l and, centred on the residuals of geometry, ln σ.
 
 use crate::averaging::linearised::Linearised;
 use crate::averaging::terms::{Family, Terms};
@@ -18,31 +18,31 @@ use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Half of all families are expected to be smaller than this, rad or m; play: an arc minute, as catalogues of reducers have it; axes that
-/// wobble or slide as they turn: taken as 10 µm on 0.1 m. A third of that did the same on fifteen to thirty rows of a UR5; ten times that did harm.
+/// Prior median of a family's size, rad or m; play: an arc minute, as in catalogues of reducers; axes that wobble or slide as they
+/// turn: 10 µm on 0.1 m. A third of that made no difference on fifteen to thirty rows of a UR5; ten times that predicted worse.
 const USUAL: f64 = 1e-3;
 const USUAL_PLAY: f64 = 2.9e-4;
 const USUAL_RUNOUT: f64 = 1e-4;
-/// Mean and deviation of ln κ, the share of its tolerances that a robot uses, and of ln l, l in rad or m (Rasmussen, Williams 2006, 5.4: marginal likelihood).
+/// Prior mean and standard deviation of ln κ, κ a robot's errors over its tolerances, and of ln l, l in rad or m (Rasmussen, Williams 2006, 5.4).
 const KAPPA: (f64, f64) = (0.0, SHARE_USED);
 const ZERO: (f64, f64) = (-1.5, 1.0);
 const LENGTH: (f64, f64) = (-1.2, 0.8);
-/// Deviation of ln σ from what geometry leaves: fifteen rows can be fitted without any noise.
+/// Prior standard deviation of ln σ about the residuals of geometry: fifteen rows can be fitted without any noise.
 const LEVEL: f64 = 1.0;
-/// Frames and targets are known to this, m or rad, once a fit has placed them: as good as nothing.
+/// Prior standard deviation of frames and targets that a fit has placed, m or rad: practically uninformative.
 const PLACED: f64 = 0.1;
 /// Smallest and largest size of a family, and of noise.
 const FAMILY: (f64, f64) = (1e-7, 1e-2);
 /// The same of κ.
 const SHARE: (f64, f64) = (0.03, 20.0);
 const NOISE: (f64, f64) = (5e-7, 3e-2);
-/// Values of which the evidence is taken at once: its cost grows with their cube.
+/// Values per part of the evidence: its cost grows with their cube.
 pub const AT_ONCE: usize = 300;
-/// Numbers of a smaller prior deviation are left out, rad or m.
+/// Numbers with a smaller prior standard deviation are left out, rad or m.
 const NOTHING: f64 = 5e-8;
-/// The search ends where -2 log of the likelihood falls by less than this per unit of any logarithm.
+/// The search ends where the derivatives of -2 log likelihood by the logarithms are below this.
 const LEAST_SLOPE: f64 = 0.1;
-/// Steps of minorisation and maximisation before those of the search.
+/// Minorise-maximise steps before the search.
 const WARM_UP: usize = 4;
 
 /// The sizes, as natural logarithms.
@@ -56,13 +56,13 @@ pub struct Sizes {
     pub length: f64,
     /// τ or κ of each family at hand.
     pub families: Vec<(Family, f64)>,
-    /// Whether tolerances are taken as they are given, κ = 1: so is the fit of geometry alone.
+    /// Whether tolerances are used as given, κ = 1, as in the fit of geometry alone.
     pub as_tolerated: bool,
-    /// What is expected of the noise of each channel.
+    /// Prior of each channel's noise.
     levels: Vec<f64>,
 }
 
-/// A family whose size is a share of tolerances, and what is expected of its logarithm.
+/// The prior of the logarithm of a family's size, for families whose size is a fraction of tolerances.
 fn tolerated(family: Family) -> Option<(f64, f64)> {
     match family {
         Family::Geometry => Some(KAPPA),
@@ -71,7 +71,7 @@ fn tolerated(family: Family) -> Option<(f64, f64)> {
     }
 }
 
-/// Half of all robots have less of this family, rad or m.
+/// Prior median of this family's size, rad or m.
 fn usual(family: Family) -> f64 {
     match family {
         Family::Play => USUAL_PLAY,
@@ -81,7 +81,7 @@ fn usual(family: Family) -> f64 {
 }
 
 impl Sizes {
-    /// Where the search begins: noise of a fit of geometry alone, by channel, and the variance of its tolerances over the drawing's.
+    /// Start of the search: noise of a fit of geometry alone, by channel, and the ratio of its tolerances' variance to the drawing's.
     pub fn start(
         (noise, widened): (&[f64], f64),
         terms: &Terms,
@@ -107,7 +107,7 @@ impl Sizes {
         }
     }
 
-    /// Those of a model whose terms have the sizes themselves, as have tolerances: nothing is fitted. `noise`: by channel.
+    /// Sizes of a model whose terms and tolerances already include them: none is fitted. `noise`: by channel.
     pub fn of_model(noise: &[f64]) -> Self {
         let levels: Vec<f64> = noise.iter().map(|level| level.clamp(NOISE.0, NOISE.1).ln()).collect();
         Self {
@@ -124,7 +124,7 @@ impl Sizes {
         self.families.iter().find(|(known, _)| *known == family).map(|(_, size)| *size)
     }
 
-    /// How many there are.
+    /// Number of sizes.
     pub fn count(&self) -> usize {
         self.numbers().len()
     }
@@ -158,7 +158,7 @@ impl Sizes {
         noise.chain([ln((1e-7, 3e-3)), ln((0.05, 2.0))]).chain(self.families.iter().map(family)).collect()
     }
 
-    /// -2 log of what is expected of each size, its derivative and its second one.
+    /// -2 log prior of each size, with its first and second derivative.
     fn expected(&self) -> Vec<[f64; 3]> {
         let cauchy = |size: f64, usual: f64| {
             let ratio = (2.0 * size).exp() / usual.powi(2);
@@ -187,7 +187,7 @@ impl Sizes {
         terms.families.iter().zip(&terms.scales).zip(&terms.frequencies).map(of).collect()
     }
 
-    /// Variance of a joint's curve where nothing is known, rad² or m².
+    /// Prior variance of a joint's curve, rad² or m².
     pub fn of_curves(&self) -> f64 {
         self.of(Family::Curve).map_or(0.0, |size| (2.0 * size).exp())
     }
@@ -198,7 +198,7 @@ fn density(frequency: f64, length: f64) -> f64 {
     TAU.sqrt() * length * (-0.5 * (frequency * length).powi(2)).exp()
 }
 
-/// The linear problem for these sizes, and which columns are in it: what may be large enough to count, then the frames.
+/// The linear problem for these sizes, and its columns: numbers that may be large enough to matter, then the frames.
 pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> (Problem, Vec<usize>) {
     let mut variances = sizes.variances(terms);
     variances.resize(rows.columns.ncols(), PLACED * PLACED);
@@ -228,7 +228,7 @@ pub fn problem(rows: &Linearised, terms: &Terms, sizes: &Sizes) -> (Problem, Vec
     (problem, chosen)
 }
 
-/// What the evidence of some rows is made of: parts whose amounts alone change, and the curves.
+/// The parts of the evidence of some rows: parts of which only the amounts change, and the curves.
 struct Parts {
     data: DVector<f64>,
     frames: Part,
@@ -237,7 +237,7 @@ struct Parts {
     joints: Part,
     families: Vec<Option<Part>>,
     curves: Vec<JointCurve>,
-    /// The row of each value, and where each row begins, the end of the last beside.
+    /// The row of each value, and the start of each row, followed by the end of the last.
     row_of: Vec<usize>,
     starts: Vec<usize>,
 }
@@ -245,9 +245,9 @@ struct Parts {
 /// -2 log p(y) of some rows for some sizes.
 struct Evidence {
     value: f64,
-    /// Of each size the two sides of half its derivative by the size's logarithm: see [`Pull`].
+    /// For each size the two parts of half the derivative by its logarithm: see [`Pull`].
     pulls: Vec<[f64; 2]>,
-    /// About its second derivatives by those: [`Components::information`].
+    /// Approximate second derivatives by the same: [`Components::information`].
     information: DMatrix<f64>,
 }
 
@@ -321,7 +321,7 @@ impl Parts {
         let values = self.data.len();
         let mut both = [DMatrix::zeros(values, values), DMatrix::zeros(values, values)];
         for curve in &self.curves {
-            // Fast waves are nothing.
+            // Fast waves are negligible.
             let own: Vec<usize> =
                 (0..curve.frequencies.len()).filter(|&k| density(curve.frequencies[k], length) > 1e-12).collect();
             let (waves, count) = (curve.waves.select_rows(&own), own.len());
@@ -347,7 +347,7 @@ impl Parts {
         both.map(Part::All)
     }
 
-    /// Adds to the upper triangle of a covariance of values what moves each of them so much and has this covariance of the rows.
+    /// Adds to the upper triangle of a covariance of values: `moved` of each value, with this covariance of the rows.
     fn add_kernel(&self, kernel: &[f64], moved: &[f64], sum: &mut DMatrix<f64>) {
         let (values, rows) = (moved.len(), self.starts.len() - 1);
         for (right, column) in sum.as_mut_slice().chunks_exact_mut(values).enumerate() {
@@ -362,14 +362,14 @@ impl Parts {
         }
     }
 
-    /// -2 log p(y), and how it changes with the logarithm of each size.
+    /// -2 log p(y), and its derivatives by the logarithm of each size.
     fn evidence(&self, sizes: &Sizes) -> Option<Evidence> {
         let amount = |size: f64| (2.0 * size).exp();
         let curves = (!self.curves.is_empty()).then(|| self.curves(sizes.length.exp()));
         let mut parts: Vec<(Option<&Part>, f64)> = Vec::new();
         parts.extend(self.channels.iter().zip(&sizes.noise).map(|(part, size)| (Some(part), amount(*size))));
         parts.push((Some(&self.joints), amount(sizes.joints)));
-        // The length is no amount: its place is kept.
+        // The length is not an amount: its index is reserved.
         parts.push((None, 0.0));
         for (own, (_, size)) in self.families.iter().zip(&sizes.families) {
             parts.push((own.as_ref().or(curves.as_ref().map(|[curves, _]| curves)), amount(*size)));
@@ -401,8 +401,8 @@ impl Parts {
     }
 }
 
-/// The most probable sizes for some rows of the data, part by part; `start` where there are none better. `anew`: whether `start` knows nothing of
-/// the rows yet.
+/// The most probable sizes for some rows of the data, part by part; `start` where there are none better. `anew`: whether `start` was found without
+/// the rows.
 pub fn fitted(
     rows: &Linearised,
     data: &Measurements,
@@ -433,7 +433,7 @@ pub fn fitted(
         }
         Some(Local { value, slope, curvature })
     };
-    // Of geometry as it is tolerated the noise alone is unknown: there is no plateau.
+    // With tolerances as given only the noise is unknown: there is no plateau.
     let anew = anew && !start.as_tolerated;
     let search = |start: &Sizes| {
         let mut from = start.clone();
@@ -448,7 +448,7 @@ pub fn fitted(
     if anew {
         starts.push(start.as_large_as_noise(&parts));
     }
-    // Small matrices: a thread for each part, none for a part's own.
+    // Small matrices: one thread per part, and none within a part.
     let found: Vec<_> = starts
         .iter()
         .filter_map(|start| if parts.len() > 1 { search(start) } else { on_this_thread(|| search(start)) })
@@ -458,8 +458,8 @@ pub fn fitted(
 }
 
 impl Sizes {
-    /// Every family and the joints' repeatability adding as much variance as a tenth of the noise, geometry in its tolerances. From sizes far
-    /// below the noise there is no slope to follow.
+    /// Sizes with which every family and the joints' repeatability add a tenth of the noise variance, geometry in its tolerances. The evidence
+    /// has no slope at sizes far below the noise.
     fn as_large_as_noise(&self, parts: &[Parts]) -> Self {
         let sum = |of: &dyn Fn(&Parts) -> f64| parts.iter().map(of).sum::<f64>();
         let noise = sum(&|part| {
@@ -480,8 +480,8 @@ impl Sizes {
         large
     }
 
-    /// A step of minorisation and maximisation, which follows no slope and so leaves plateaus: each amount times the root of what pulls it up
-    /// over what pulls it down (Zhou, Hu, Zhou, Lange 2019, Journal of Computational and Graphical Statistics 28, 350). Shares of tolerances
+    /// A minorise-maximise step, which needs no slope and so leaves plateaus: each amount times the root of the ratio of its upward and
+    /// downward pull (Zhou, Hu, Zhou, Lange 2019, Journal of Computational and Graphical Statistics 28, 350). Fractions of tolerances
     /// and the length stay.
     fn balanced(&self, pulls: &[[f64; 2]]) -> Self {
         let expected = self.expected();
@@ -515,7 +515,7 @@ fn waves(rows: &Linearised, terms: &Terms, curve: &Curve, data: &Measurements) -
 }
 
 impl Linearised {
-    /// Parts of so many values, rows dealt in turn.
+    /// Parts of `AT_ONCE` values, with rows dealt in turn.
     fn parts(&self) -> Vec<Self> {
         let count = self.data.len().div_ceil(AT_ONCE).max(1);
         (0..count)

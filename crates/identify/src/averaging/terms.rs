@@ -1,4 +1,4 @@
-//! Everything that may act, as terms of one linear model: what family a coefficient is of, and how large a unit of its family makes it.
+//! Everything that may act, as terms of one linear model: the family of each coefficient, and its scale per unit of the family's size.
 //!
 //! Nothing is selected. Drivers are scaled by the robot (its turns, its moments of gravity at postures spread over the joints' ranges), never by
 //! the data: a unit of a family's size is about a radian at a joint, or a metre.
@@ -17,22 +17,22 @@ use crate::parameters::Tolerances;
 use denavit_measurements::RecordedRow;
 use std::f64::consts::PI;
 
-/// What shares one size.
+/// Coefficients that share one size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
-    /// Where axes are on their links, in tolerances.
+    /// Positions of axes on their links, in tolerances.
     Geometry,
     /// Zeros of joints, in their tolerances.
     Zero,
     /// A joint's error as a function of its own reading.
     Curve,
-    /// Joints that give under gravity, masses as given.
+    /// Compliance of joints under gravity, masses as given.
     Compliance,
-    /// The same with the first moments of links free.
+    /// The same with free first moments of links.
     Moments,
-    /// Links and bearings that bend.
+    /// Compliance of links and bearings.
     Link,
-    /// The base.
+    /// Compliance of the base.
     Base,
     /// Scales of joints.
     Scale,
@@ -48,7 +48,7 @@ pub enum Family {
     Drift,
     /// The target on the tip.
     TargetDrift,
-    /// What is read along the line of sight.
+    /// Errors along the line of sight.
     Incidence,
     /// The instrument's metre.
     Instrument,
@@ -60,41 +60,41 @@ pub enum Family {
     Motor,
     /// Readings older than what is measured.
     Latency,
-    /// Causes that the same rows name.
+    /// Causes identified in the same rows.
     Named,
 }
 
 impl Family {
-    /// Whether it is of links and zeros.
+    /// Whether it belongs to links and zeros.
     pub fn is_of_geometry(self) -> bool {
         matches!(self, Self::Geometry | Self::Zero)
     }
 }
 
-/// Waves are no faster than this, rad per rad or per m: what a joint's resolution shows even in few rows.
+/// Highest frequency of waves, rad per rad or per m: what even few rows resolve.
 const FASTEST: f64 = 40.0;
-/// Waves of a joint, at most.
+/// Most waves of a joint.
 const MOST_WAVES: usize = 90;
-/// The waves' interval goes beyond the range of the data by this much on either side, rad or m.
+/// The waves' interval extends the range of the data by this much on either side, rad or m.
 const BEYOND: f64 = 0.3;
-/// Postures by which drivers are scaled.
+/// Number of postures that set the scale of drivers.
 const POSTURES: usize = 48;
-/// Play follows the side to which gravity pushes from this share of the robot's largest moment on.
+/// Play follows gravity's side where gravity's moment exceeds this fraction of the robot's largest.
 const SIDE: f64 = 0.02;
-/// Straight pieces of a drift.
+/// Straight pieces of a drift curve.
 const PIECES: usize = 4;
-/// Prior deviation of what a cause does, root mean square over the rows, where nothing is expected of it: ten tolerances of geometry, rad or m.
+/// Prior standard deviation of a cause's root mean square effect where no other prior is known: ten tolerances of geometry, rad or m.
 const ANY_SIZE: f64 = 1e-2;
-/// A change of temperature that is usual, K.
+/// A usual change of temperature, K.
 const WARM: f64 = 10.0;
 
-/// The terms with what is expected of each of their numbers; waves come after all coefficients.
+/// The terms with the prior of each of their numbers; waves come after all coefficients.
 pub struct Terms {
     /// The model with all numbers zero.
     pub model: Everything,
-    /// Of each number.
+    /// The family of each number.
     pub families: Vec<Family>,
-    /// Of each number: its size per unit of its family's.
+    /// The scale of each number, per unit of its family's size.
     pub scales: Vec<f64>,
     /// Frequency of each wave, rad per rad or per m; 0 for coefficients.
     pub frequencies: Vec<f64>,
@@ -155,7 +155,7 @@ pub fn largest_moment(statics: &Statics) -> f64 {
     squares.iter().map(|square| (square / POSTURES as f64).sqrt()).fold(0.0, f64::max)
 }
 
-/// All that may act on a robot in these rows. `named`: causes that the rows name beside.
+/// Everything that may act on a robot in these rows. `named`: causes identified in the rows.
 pub fn terms(survey: &Survey, tolerances: &Tolerances, named: &[(Term, f64)]) -> Terms {
     let statics = &survey.statics;
     let n = statics.chain.joints().len();
@@ -186,8 +186,8 @@ pub fn terms(survey: &Survey, tolerances: &Tolerances, named: &[(Term, f64)]) ->
     Terms { model: Everything(model), families, scales, frequencies, joints }
 }
 
-/// Geometry with the causes and error curves of a model, each number with its prior deviation: of a cause `ANY_SIZE` times `scale` of its
-/// term. The numbers stand where the model has them.
+/// Geometry with the causes and error curves of a model, each number with its prior standard deviation: for a cause `ANY_SIZE` times `scale`
+/// of its term. The numbers start at the model's values.
 pub fn of_model(
     survey: &Survey,
     tolerances: &Tolerances,
@@ -235,7 +235,7 @@ fn geometry(b: &mut Builder<'_>, n: usize, tolerances: &Tolerances) -> Vec<usize
             add(Carrier::LinkEnd(i), &[turn, turn, turn, shift, shift, shift]);
         }
         let several = carried.len() > 1;
-        // Of several, each is mounted for itself; a turn about its axis is its zero. What one stands on, or a target, is placed by the rows.
+        // With several, each is mounted separately; a turn about its axis is its zero. The rows place a single base, or a target.
         for joint in carried.into_iter().filter(|_| several) {
             add(Carrier::AxisBasis(joint), &[turn]);
             add(Carrier::Sideways(joint), &[shift]);
@@ -270,7 +270,7 @@ fn of_joint(b: &mut Builder<'_>, i: usize, moving: &[usize], moment: f64) {
     }
     if !slides(i) && moment > 0.0 {
         let of = [(Family::Link, 1.0 / moment)];
-        // What bends under a joint that stands on the base is the base.
+        // What bends under a joint on the base is the base itself.
         if statics.carrier(i).is_some() {
             let driver = Driver::MomentAcross(i);
             b.add(Kind::LinkCompliance, Carrier::AxisBasis(i), driver, Coupling::Paired, &of);

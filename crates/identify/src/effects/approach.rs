@@ -1,21 +1,21 @@
-//! From which side a joint came to where it stands: one rule for measured runs and for commands.
+//! The side from which a joint approached its position: one rule for measured runs and for commands.
 //!
-//! A joint that stands still keeps the side that it had. Readings of a joint that stands still jitter by the noise of its
-//! encoder, so what counts as a move is read from the run itself.
+//! A joint that stands still keeps its side. Its readings jitter by the noise of its encoder, so the smallest real move is
+//! estimated from the run itself.
 
-/// A move of less is none: controllers are told positions to a microradian or a micrometre, rad or m.
+/// Smallest move, rad or m: commands have a resolution of a microradian or a micrometre.
 pub const LEAST_MOVE: f64 = 1e-6;
 /// The jitter of an encoder is below this, rad or m.
 const MOST_JITTER: f64 = 1e-3;
-/// The smallest real move is this many times the largest jitter, or the two cannot be told apart.
+/// The smallest real move must be this many times the largest jitter to be distinguished from it.
 const GAP: f64 = 30.0;
-/// Jitter shows in at least this share of the moves: one small move among many is a small move.
+/// Jitter must make up this fraction of the moves: a few small moves are real moves.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The largest change of a reading that is no move, rad or m: [`LEAST_MOVE`], or more where the readings of a joint that
+/// The largest change of a reading that is not a move, rad or m: [`LEAST_MOVE`], or more where the readings of a joint that
 /// stands still jitter by more.
 ///
-/// Jitter is there when the changes from row to row fall into two groups with nothing between them.
+/// There is jitter if the changes from row to row fall into two groups with a gap between them.
 pub fn still(readings: &[f64]) -> f64 {
     let mut moves: Vec<f64> =
         readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|moved| *moved > LEAST_MOVE).collect();
@@ -27,7 +27,7 @@ pub fn still(readings: &[f64]) -> f64 {
     gap.map_or(LEAST_MOVE, |k| (moves[k] * moves[k - 1]).sqrt())
 }
 
-/// The side after a move, +1 or -1: a joint that stands still keeps the one it `had` (0: none yet).
+/// The side after a move, +1 or -1: a joint that stands still keeps the one it `had` (0: not known yet).
 pub fn side_after(moved: f64, still: f64, had: f64) -> f64 {
     if moved.abs() <= still { had } else { moved.signum() }
 }
@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn jitter_is_no_move_and_a_small_move_is_one() {
-        // A joint that stands at three places, read with 20 µrad of jitter.
+        // A joint at three positions, read with 20 µrad of jitter.
         let jitter = |k: usize| 2e-5 * ((k * 7919 % 13) as f64 / 6.0 - 1.0);
         let readings: Vec<f64> = (0..60).map(|k| 0.4 * ((k / 5) % 3) as f64 + jitter(k)).collect();
         let still_below = still(&readings);
@@ -56,7 +56,7 @@ mod tests {
                 .collect::<Vec<f64>>()
         };
         assert_eq!(sides(&readings), sides(&clean));
-        // Steps of 10 µrad that a controller was told are moves.
+        // Commanded steps of 10 µrad are moves.
         let fine: Vec<f64> = (0..30).map(|k| 1e-5 * f64::from(k)).collect();
         assert_eq!(still(&fine), LEAST_MOVE);
         assert_eq!(side_after(-1e-5, LEAST_MOVE, 1.0), -1.0);

@@ -1,12 +1,12 @@
-//! The recommended prediction: the posterior mean over everything that may act, blended with plain geometry posture by posture.
+//! The recommended prediction: the posterior mean of everything that may act, blended with geometry alone posture by posture.
 //!
 //! ```text
 //! base_from_tip = T_g exp(h log(T_g⁻¹ T_a)),     h = v_g / (v_g + v(q))
 //! ```
-//! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): how unsure what is read of the target is there by
-//! the posterior covariance, v_g: mean square error of plain geometry on postures that it was not fitted to (each left out once). Among the
-//! fitted postures h is near 1, far from them near 0. Outside the measured ranges the drawing T_n has a say, too, where that blend is expected to be
-//! off by far more (v) than the drawing is (v_n): a share v²/(v² + `FAR_MORE`⁴ v_n²).
+//! T_g: the robot with its geometry alone, T_a: with all effects at their posterior mean, v(q): posterior variance of the target's reading
+//! at q, v_g: mean square error of geometry alone on left-out postures (each left out once). Among the fitted postures h is near 1,
+//! far from them near 0. Outside the measured ranges the drawing T_n is blended in, too, where the expected error of that blend (v) is far
+//! larger than that of the drawing (v_n): a fraction v²/(v² + `FAR_MORE`⁴ v_n²).
 
 pub mod written;
 
@@ -20,80 +20,80 @@ use denavit_measurements::{Column, MissingColumn};
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
-/// Outside the measured ranges the drawing has half a say where the blend is expected to be off by this many times what the drawing is off by
-/// among the measured postures. With equal says (1) it did harm on a Barrett WAM: a third of its draws of 15 rows were worse than geometry alone.
+/// Outside the measured ranges the drawing has half the weight where the expected error of the blend is this many times the drawing's error
+/// among the measured postures. A value of 1 did harm on a Barrett WAM: a third of its draws of 15 rows were worse than geometry alone.
 pub const FAR_MORE: f64 = 4.0;
 
-/// What is predicted with.
+/// An averaged prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Averaged {
-    /// Everything that may act on the robot as drawn, its geometry included, at the posterior mean; what it follows is named.
+    /// Everything that may act on the drawn robot, its geometry included, at the posterior mean; columns are given by name.
     pub effects: Vec<Effect<Driver<String>>>,
-    /// Of each effect the values of its driver, averaged over the fitted rows: what is taken where nobody recorded them.
+    /// For each effect the mean of its driver over the fitted rows, used where the driver is not recorded.
     pub averages: Vec<Vec<f64>>,
     /// The same bound to columns, with the curves of the joints.
     model: Everything,
-    /// The same with the averages in the place of what follows the clock.
+    /// The same with these means for drivers that depend on the clock.
     timeless: Everything,
-    /// What is known of it beside its numbers.
+    /// Further data of the prediction.
     pub known: Known,
 }
 
-/// What is known of an averaged prediction beside its mean.
+/// Data of an averaged prediction other than its mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Known {
     /// The robot as drawn.
     pub drawn: Arm,
-    /// The robot with its geometry alone: what the blend is a correction of.
+    /// The robot with its geometry alone, which the blend corrects.
     pub geometric: Arm,
-    /// The base of the averaged robot, in that of the geometric one.
+    /// The base of the averaged robot, in the base frame of the geometric one.
     pub base: Pose,
-    /// Of each tip what the rows say of it.
+    /// For each tip its poses by the rows.
     pub tips: Vec<KnownTip>,
-    /// Where an instrument with a frame of its own stands, instrument_from_base of the averaged robot: its frame, its metre and what it reads
-    /// along its line of sight are among what is unsure.
+    /// instrument_from_base of the averaged robot, for an instrument with a frame: the uncertainty includes its frame, its scale and
+    /// its errors along the line of sight.
     pub instrument: Option<Pose>,
-    /// How unsure everything is.
+    /// Covariance of everything.
     pub spread: Spread,
-    /// How unsure geometry is where it acts alone.
+    /// Covariance of geometry alone.
     pub geometric_spread: Spread,
-    /// The base of the drawn robot in that of the geometric one, as the rows place both.
+    /// The base of the drawn robot, in the base frame of the geometric one, by the rows.
     pub drawn_base: Pose,
     /// Mean square error of the drawing, m².
     pub of_drawing: f64,
-    /// Variance of any joint's curve where nothing is known of it, rad² or m²: what holds beyond the interval of its waves.
+    /// Prior variance of a joint's curve, rad² or m², which applies outside the interval of its waves.
     pub of_curves: f64,
     /// v_g, m².
     pub of_geometry: f64,
-    /// How unsure geometry is at the fitted rows, m², in the median: v_g has it in it.
+    /// Median variance of geometry alone at the fitted rows, m², included in v_g.
     pub geometry_among_rows: f64,
-    /// How many times the variance of what is read that of the target's place is: a distance says nothing of what lies across it. 1 where all
-    /// of the place is read.
+    /// Ratio of the variance of the target's position to that of its reading: a distance does not constrain directions across it. 1 where
+    /// the whole position is read.
     pub across: f64,
-    /// What an expected square is multiplied by so that 95 % of the values left out lie within 1.96 of its roots.
+    /// Factor on expected squares with which 95 % of the left-out values lie within 1.96 standard deviations.
     pub calibrated: f64,
-    /// What a measured value scatters by about the prediction, m²: its noise and that of the joints, in the mean over the fitted rows.
+    /// Mean variance of a measured value about the prediction over the fitted rows, m²: instrument noise and joint repeatability.
     pub noise: f64,
     /// Lowest and highest reading of each coordinate among the fitted rows, rad or m.
     pub ranges: Vec<(f64, f64)>,
 }
 
-/// A tip, as the rows place it.
+/// A tip, placed by the rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownTip {
-    /// That of the averaged robot, in that of the geometric one.
+    /// The averaged robot's tip, in the tip frame of the geometric one.
     pub averaged: Pose,
-    /// That of the drawn robot, in that of the geometric one.
+    /// The drawn robot's tip, in the tip frame of the geometric one.
     pub drawn: Pose,
-    /// Where errors are judged: tip frame, m.
+    /// Point at which errors are evaluated: tip frame, m.
     pub target: Vector3<f64>,
 }
 
 /// A covariance of some numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
-    /// Which of the model's numbers have an uncertainty of their own; after them come, in this order, the frame that the instrument stands in
-    /// (six numbers, where there is one) and the place of each tip's target (three).
+    /// Which of the model's numbers have an uncertainty; after them come, in this order, the instrument's frame (six numbers, where
+    /// there is one) and the position of each tip's target (three).
     pub kept: Vec<usize>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
@@ -102,11 +102,11 @@ pub struct Spread {
 /// An averaged prediction in one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
-    /// Share of the averaged robot, and of the drawn one; what is left is the geometric one's.
+    /// Weights of the averaged and of the drawn robot; the rest is the geometric robot's.
     pub shares: [f64; 2],
-    /// Expected square of the error of the blend, m² for each axis: that of a mixture, Σ wᵢ (vᵢ + dᵢ²), d: how far each is from the blend.
+    /// Expected square error of the blend, m² per axis: that of a mixture, Σ wᵢ (vᵢ + dᵢ²), dᵢ the distance of each from the blend.
     pub variance: f64,
-    /// The same of what is read of it where that is one length.
+    /// The same for a reading that is one length.
     pub of_length: f64,
 }
 
@@ -118,7 +118,7 @@ impl Averaged {
         Self { effects, averages, model: mean, timeless, known }
     }
 
-    /// From what a file has: nothing is recorded yet.
+    /// From a file: no columns are bound yet.
     pub fn unbound(
         model: EffectModel,
         effects: Vec<Effect<Driver<String>>>,
@@ -134,7 +134,7 @@ impl Averaged {
         &self.model.0
     }
 
-    /// For rows whose columns `column` gives: what is not recorded there is taken at its average.
+    /// For rows with the columns of `column`: quantities that are not recorded take their mean.
     #[must_use]
     pub fn bound(&self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Self {
         let bound = |(effect, averages): (&Effect<Driver<String>>, &Vec<f64>)| {
@@ -148,17 +148,17 @@ impl Averaged {
         Self { timeless: timeless(&model, &self.averages), model, ..self.clone() }
     }
 
-    /// Names of all that it follows: it does without any of them.
+    /// Names of all quantities that it depends on; none of them is required.
     pub fn follows(&self) -> impl Iterator<Item = &String> {
         self.effects.iter().flat_map(|effect| effect.term.driver.columns())
     }
 
-    /// What it knows of the arm before any row is looked at.
+    /// The part of its state that is the same for all rows.
     pub(super) fn standing(&self) -> Standing {
         self.model.0.standing_of(&self.known.drawn.joints)
     }
 
-    /// The robot under these conditions: geometry alone, everything averaged, the drawing, and how unsure they are.
+    /// The robot under these conditions: geometry alone, everything averaged, the drawing, and their variances.
     fn robots(&self, conditions: &Conditions<'_>, standing: &mut Standing) -> Robots {
         let Known { drawn, geometric, base, .. } = &self.known;
         let KnownTip { averaged: tip, drawn: drawn_tip, target: judged } = &self.known.tips[conditions.tip];
@@ -194,16 +194,16 @@ impl Averaged {
         Robots { tip: conditions.tip, to_averaged, apart, to_drawn, own, of_all, of_geometry, of_placement }
     }
 
-    /// How much too far the averaged robot's target at `p` (base frame, m) is read by this metre and this line of sight: a metre that is too long
-    /// and a frame that is too near make up for each other.
+    /// Excess of the reading of the averaged robot's target at `p` (base frame, m) by the instrument's scale and line of sight: a scale that is
+    /// too large and a frame that is too near compensate each other.
     fn by_instrument(&self, p: &Vector3<f64>, tip: &Pose, scale: f64, sight: &AlongSight) -> Vector3<f64> {
         let Some(instrument) = &self.known.instrument else { return Vector3::zeros() };
         let there = (instrument * Point3::from(*p)).coords;
         instrument.rotation.inverse() * there * scale + sight.beyond(&there, instrument, tip)
     }
 
-    /// v = trace(Z S Zᵀ)/3 of everything, of geometry alone, and of the places of instrument and target in that, Z: how the target moves by each
-    /// number.
+    /// v = trace(Z S Zᵀ)/3 of everything, of geometry alone, and of the latter's instrument and target positions; Z: derivatives of the
+    /// target by each number.
     fn variances(
         &self,
         model: &Everything,
@@ -244,7 +244,7 @@ impl Averaged {
         [of_all + beyond, of_geometry, of_placement]
     }
 
-    /// Mean square of how a unit of the curves of joints that read beyond the interval of their waves moves the target: nothing is known there.
+    /// Mean square motion of the target per unit of curve, over the joints that read outside the interval of their waves.
     fn beyond_the_waves(&self, conditions: &Conditions<'_>, state: &RowState, p: &Vector3<f64>) -> f64 {
         let joints = &self.known.drawn.joints;
         let curves = self.model.0.curves.iter().filter(|curve| {
@@ -259,7 +259,7 @@ impl Averaged {
         moved.sum::<f64>() / 3.0
     }
 
-    /// How the averaged robot, the drawn one and plain geometry are weighed under these conditions.
+    /// The weights of the averaged robot, the drawn one and geometry alone under these conditions.
     pub fn blend(&self, conditions: &Conditions<'_>) -> Blend {
         self.weighed(&self.robots(conditions, &mut self.standing()))
     }
@@ -270,14 +270,14 @@ impl Averaged {
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole, of_length: whole };
         }
-        // By what is read: of a distance neither knows what lies across it.
+        // In terms of the reading: with a distance, neither knows the directions across it.
         let share = of_geometry / (of_geometry + robots.of_all / self.known.across);
         let way = robots.apart;
         let apart = way.norm_squared() / 3.0;
         let variance = mixed(share, [robots.of_all, whole], apart);
         let of_length = mixed(share, [robots.of_all / self.known.across, whole], apart);
         let Some(to_drawn) = &robots.to_drawn else { return Blend { shares: [share, 0.0], variance, of_length } };
-        // The drawing is placed by the same rows: it is no surer of that.
+        // The drawing is placed by the same rows, with the same uncertainty.
         let of_drawing = of_drawing + robots.of_placement;
         let drawn = 1.0 / (1.0 + (FAR_MORE.powi(2) * of_drawing / variance).powi(2));
         let target = Point3::from(self.known.tips[robots.tip].target);
@@ -289,24 +289,24 @@ impl Averaged {
         }
     }
 
-    /// Expected error of the blend: root of the mean square of each axis, m, the noise of a measured row not in it.
+    /// Expected error of the blend: root mean square per axis, m, without the noise of a measured row.
     pub fn expected_error(&self, conditions: &Conditions<'_>) -> f64 {
         (self.known.calibrated * self.blend(conditions).variance).sqrt()
     }
 
-    /// Variance of a measured value there, m²: of a component of the place, or of one length alone. The noise is in it.
+    /// Variance of a measured value there, noise included, m²: of a position component, or of a single length.
     pub fn variance_of_a_value(&self, conditions: &Conditions<'_>, length: bool) -> f64 {
         let blend = self.blend(conditions);
         self.known.calibrated * if length { blend.of_length } else { blend.variance } + self.known.noise
     }
 
-    /// How unsure the place of the target is there by everything and by geometry alone, m² for each axis.
+    /// Variance of the target's position by everything and by geometry alone, m² per axis.
     pub(crate) fn unsure(&self, conditions: &Conditions<'_>) -> [f64; 2] {
         let robots = self.robots(conditions, &mut self.standing());
         [robots.of_all, robots.of_geometry]
     }
 
-    /// What the blend does to the robot with its geometry alone, added to `out`.
+    /// Adds to `out` the blend's perturbation of the robot with its geometry alone.
     pub(super) fn perturb(&self, conditions: &Conditions<'_>, standing: &mut Standing, out: &mut Perturbation) {
         let robots = self.robots(conditions, standing);
         let [share, of_drawn] = self.weighed(&robots).shares;
@@ -325,7 +325,7 @@ impl Averaged {
     }
 }
 
-/// How the target moves in one posture, base frame: by each coefficient, by the waves of each joint's curve, and by where it is placed.
+/// Derivatives of the target in one posture, base frame: by each coefficient, by the waves of each curve, and by its position.
 struct Motion {
     by_coefficients: Vec<Vector3<f64>>,
     curves: Vec<ByWaves>,
@@ -336,14 +336,14 @@ struct Motion {
 struct ByWaves {
     /// The number of its first wave.
     first: usize,
-    /// How the target moves by a unit of the curve.
+    /// Motion of the target per unit of the curve.
     by: Vector3<f64>,
     /// The curve by each wave.
     waves: Vec<f64>,
 }
 
 impl Motion {
-    /// trace(Z S Zᵀ)/3 of all numbers of a spread, and of the places alone.
+    /// trace(Z S Zᵀ)/3 of all numbers of a spread, and of the positions alone.
     fn variances(&self, spread: &Spread) -> [f64; 2] {
         let (kept, size) = (&spread.kept, spread.covariance.nrows());
         let coefficients = kept.partition_point(|&number| number < self.by_coefficients.len());
@@ -384,7 +384,7 @@ impl Motion {
     }
 }
 
-/// Variance of a mixture of two that have these variances and are `apart` (squared): a `share` of the first.
+/// Variance of a mixture of two with these variances and this squared distance `apart`; `share`: weight of the first.
 pub(crate) fn mixed(share: f64, [first, second]: [f64; 2], apart: f64) -> f64 {
     share * first + (1.0 - share) * second + share * (1.0 - share) * apart
 }
@@ -394,7 +394,7 @@ struct Robots {
     tip: usize,
     /// From the tip of the geometric robot to that of the averaged one.
     to_averaged: Pose,
-    /// By which the averaged robot's target is read beside the geometric one's, tip frame, m.
+    /// Difference of the readings of the averaged and the geometric robot's target, tip frame, m.
     apart: Vector3<f64>,
     /// And to that of the drawn one, outside the measured ranges.
     to_drawn: Option<Pose>,
@@ -402,11 +402,11 @@ struct Robots {
     /// v(q) of everything, and of geometry alone, m².
     of_all: f64,
     of_geometry: f64,
-    /// The same of the instrument's and the target's place, whatever robot they are placed by.
+    /// The same of the positions of instrument and target, for either robot.
     of_placement: f64,
 }
 
-/// The model with averages in the place of what follows the clock piece by piece.
+/// The model with means for drivers that depend on the clock piece by piece.
 fn timeless(model: &Everything, averages: &[Vec<f64>]) -> Everything {
     let mut model = model.clone();
     for (effect, averages) in model.0.effects.iter_mut().zip(averages) {

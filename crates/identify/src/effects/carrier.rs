@@ -18,7 +18,7 @@ pub enum Carrier {
     Joint(usize),
     /// A slide along a turning joint's axis, m: one direction.
     Along(usize),
-    /// A tilt of a joint's axis against the link before it, rad: two directions.
+    /// A tilt of a joint's axis relative to the link before it, rad: two directions.
     AxisBasis(usize),
     /// A shift of a joint's axis across itself, m: two directions.
     Sideways(usize),
@@ -30,7 +30,7 @@ pub enum Carrier {
     LinkLength(usize),
     /// Every length of the arm, m per m: one direction.
     Lengths,
-    /// The base against the instrument, three turns about its origin (rad) and three shifts (m).
+    /// The base relative to the instrument, three rotations about its origin (rad) and three shifts (m).
     Base,
     /// Turns of the base alone, rad: three directions.
     BaseTurn,
@@ -42,23 +42,23 @@ pub enum Carrier {
     Scale,
     /// The zero of a distance instrument, m: one direction.
     Reading,
-    /// What an instrument reads too far along its line of sight, as it follows how the target is turned to it, m: three directions, the
+    /// Excess of the range along the line of sight, depending on the target's orientation to the instrument, m: three directions, the
     /// tip's axes.
     ///
     /// An instrument that reads a range and two angles has two centres in a target: where its range ends and where its angles point.
-    /// With both fixed to the tip, at t + s for the angles and at t + s + c for the range, what is read is off by s + u (u · c), u the line of
-    /// sight. The shift s is one of the target itself; what is left is the range's error u · c, first harmonic of the angle of
-    /// incidence. A ball of glass (index n) whose silvered shell sits δ off the ball's centre has its angles' centre at δ and the
+    /// With both fixed to the tip, at t + s for the angles and at t + s + c for the range, the reading is off by s + u (u · c), u the line of
+    /// sight. The shift s acts as one of the target itself; the rest is the range's error u · c, first harmonic of the angle of
+    /// incidence. A ball of glass (index n) whose silvered shell is δ off the ball's centre has its angles' centre at δ and the
     /// range's at n δ, so c = (n - 1) δ. Windows and prisms have both centres at one depth up to the square of the angle of
     /// incidence.
     Sight,
-    /// The zero of an instrument's range: what it reads too far from every side, m, such as a wrong prism constant: one direction.
+    /// The zero of an instrument's range, m, such as a wrong prism constant: one direction.
     Range,
     /// Every joint's value at once, rad or m: one direction per joint.
     AllJoints,
 }
 
-/// One thing that a direction moves, per unit of its coefficient.
+/// One part of a direction's effect, per unit of its coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
     /// A twist of [`Perturbation::twists`].
@@ -76,7 +76,7 @@ pub enum Action {
     Scale,
     /// The instrument's zero, m.
     Reading,
-    /// What is read too far along the line of sight.
+    /// Excess of the range along the line of sight.
     Sight(AlongSight),
 }
 
@@ -107,7 +107,7 @@ fn shift(direction: &Vector3<f64>) -> Vector6<f64> {
 
 /// Points on the arm at home, m: `points[i]` on joint i where the URDF places it, the last at the tip.
 ///
-/// Joints that the tree does not know by name stand as in [`axis_points`].
+/// Joints that the tree does not know by name use [`axis_points`].
 pub fn link_points(placed: &PlacedRobot, chain: &Chain) -> Vec<Point3<f64>> {
     let robot = placed.robot();
     let mut points = axis_points(chain);
@@ -117,7 +117,7 @@ pub fn link_points(placed: &PlacedRobot, chain: &Chain) -> Vec<Point3<f64>> {
     for (point, joint) in points.iter_mut().zip(chain.joints()) {
         let Some(link) = links.get(joint.name.as_str()) else { continue };
         let placed = base_from_root * Point3::from(placed.pose(*link).translation.vector);
-        // Where the joint's line does not pass the place, the path runs another way than up the tree.
+        // If the joint's line misses the point, the path does not run up the tree.
         let passes = joint.screw.line().is_none_or(|line| (line.nearest_to(&placed) - placed).norm() < 1e-6);
         if passes {
             *point = placed;
@@ -126,8 +126,7 @@ pub fn link_points(placed: &PlacedRobot, chain: &Chain) -> Vec<Point3<f64>> {
     points
 }
 
-/// The same without a tree: on each axis the point nearest to the one before; a slide stands where the joint before it
-/// stands.
+/// The same without a tree: on each axis the point nearest to the one before; a slide has the point of the joint before it.
 pub fn axis_points(chain: &Chain) -> Vec<Point3<f64>> {
     let tip = Point3::from(chain.home().translation.vector);
     let mut points = Vec::with_capacity(chain.joints().len() + 1);
@@ -159,7 +158,7 @@ impl Carrier {
     /// The directions of the carrier on an arm in rows of a tip: each a sum of actions that share one coefficient. A joint
     /// that is not on the way to the tip has as many, which do nothing.
     ///
-    /// Axes are those of `joints`, actual ones where they are known. Directions across an axis are those of the nominal one,
+    /// Axes are those of `joints`, the actual ones where known. Directions across an axis are those of the nominal one,
     /// carried along, so that a small change of the axis turns them by little.
     pub fn directions(&self, statics: &Statics, joints: &[ChainJoint], tip: usize) -> Vec<Vec<Action>> {
         let (nominal, points) = (statics.chain.joints(), &statics.points);
@@ -238,7 +237,7 @@ impl Carrier {
         }
     }
 
-    /// Where it acts, as a report says it: the joint's name, or `base`, `links`, `target`, `anchor`, `instrument`,
+    /// Where it acts, as in reports: the joint's name, or `base`, `links`, `target`, `anchor`, `instrument`,
     /// `wire zero`, `all joints`.
     pub fn place(&self, chain: &Chain) -> String {
         match self {
@@ -259,7 +258,7 @@ impl Carrier {
         }
     }
 
-    /// Unit of each direction's coefficient when the driver is a bare number: rad, m, or 1.
+    /// Unit of each direction's coefficient for a dimensionless driver: rad, m, or 1.
     pub fn unit(&self, chain: &Chain, direction: usize) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
         match self {

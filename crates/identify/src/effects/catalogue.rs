@@ -16,13 +16,13 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
-    /// A joint turns a constant factor more than it reads.
+    /// A joint's motion is its reading times a constant factor.
     JointScale,
     /// A joint slides along its axis as it turns.
     HelicalPitch,
     /// A periodic error of a joint's value: eccentric encoder, gear.
     TransmissionError,
-    /// A joint gives under gravity.
+    /// A joint yields under gravity.
     JointCompliance,
     /// Play in a joint.
     Backlash,
@@ -36,7 +36,7 @@ pub enum Kind {
     LinkCompliance,
     /// The base tilts under the arm's moment.
     BaseCompliance,
-    /// The base or a column tilts, as a recorded inclination says.
+    /// The base or a column tilts, with the inclination recorded.
     Tilt,
     /// Something grows or moves with temperature.
     Thermal,
@@ -44,11 +44,11 @@ pub enum Kind {
     Drift,
     /// Joint readings are older or newer than the measured value.
     Latency,
-    /// The instrument's metre is not a metre.
+    /// The instrument's scale is wrong.
     InstrumentScale,
-    /// What is read along the line of sight depends on the target, and on how that is turned to the instrument.
+    /// The range depends on the target and on its orientation to the instrument.
     TargetIncidence,
-    /// Errors of links and zeros, as an averaged prediction has them: no cause, and in no catalogue of causes.
+    /// Errors of links and zeros in an averaged prediction: not a cause, so not in the catalogue.
     Geometry,
 }
 
@@ -68,7 +68,7 @@ pub struct Entry {
     pub terms: fn(&Survey) -> Vec<Candidate>,
 }
 
-/// A term to try, and how many of its numbers a scan chose.
+/// A term to try, and the number of its parameters that a scan chose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// The term.
@@ -77,7 +77,7 @@ pub struct Candidate {
     pub scanned: usize,
 }
 
-/// Every kind, in the order of DESIGN's table.
+/// Every kind, in the order of the table in the docs.
 pub const KINDS: &[Entry] = &[
     Entry {
         kind: Kind::JointScale,
@@ -209,7 +209,7 @@ pub const KINDS: &[Entry] = &[
     },
 ];
 
-/// Geometry as one of the things that an averaged prediction is made of.
+/// Geometry as a part of an averaged prediction.
 static GEOMETRY: Entry = Entry {
     kind: Kind::Geometry,
     name: "geometry",
@@ -220,7 +220,7 @@ static GEOMETRY: Entry = Entry {
 };
 
 impl Kind {
-    /// What an effect of a kind means, and what to do about it.
+    /// The meaning of an effect of this kind, and the recommended action.
     pub fn advice(self) -> &'static str {
         match self {
             Self::JointScale => {
@@ -232,16 +232,18 @@ impl Kind {
             Self::Backlash => "the joint has play: compensate, or approach every pose from the same side",
             Self::JointCoupling => "the joint follows another joint: compensate",
             Self::AxisWobble => "the axis tilts as the joint turns: compensate, or check its bearing",
-            Self::LocalJointError => "the joint errs at one place of its range: compensate, or check its gear there",
+            Self::LocalJointError => "the joint errs in one part of its range: compensate, or check its gear there",
             Self::LinkCompliance => "the link or its bearing bends under load: compensate",
             Self::BaseCompliance => "the base moves under load: fasten it, or compensate",
             Self::Tilt => "it tilts as its inclinometer says: compensate with the recorded inclination",
-            Self::Thermal => "it follows a temperature or warmth: warm the robot up before measuring, or compensate",
+            Self::Thermal => {
+                "it depends on a temperature or on warmth: warm the robot up before measuring, or compensate"
+            }
             Self::Drift => "it changed during the run: fasten it and measure again",
-            Self::Latency => "readings and measured values are of different times: measure at standstill",
+            Self::Latency => "readings and measured values were taken at different times: measure at standstill",
             Self::InstrumentScale => "the instrument's lengths are scaled: check its settings",
             Self::Geometry => "no named cause: included in the model",
-            Self::TargetIncidence => "the range depends on how the target is turned: check the target",
+            Self::TargetIncidence => "the range depends on the target's orientation: check the target",
         }
     }
 
@@ -287,7 +289,7 @@ fn joint_scale(survey: &Survey) -> Vec<Candidate> {
     survey.moving().map(|i| each(Kind::JointScale, Carrier::Joint(i), Driver::Reading(i))).collect()
 }
 
-/// Knees of a gear that stiffens, and frictions, that are tried: shares of the largest torque in the data.
+/// Knees of a stiffening gear, and frictions, to try: fractions of the largest torque in the data.
 const KNEES: [f64; 3] = [0.1, 0.3, 1.0];
 const FRICTIONS: [f64; 4] = [0.12, 0.24, 0.4, 0.65];
 
@@ -297,7 +299,7 @@ fn helical_pitch(survey: &Survey) -> Vec<Candidate> {
 
 fn harmonics(kind: Kind, carrier: Carrier, joint: usize, orders: &[f64]) -> impl Iterator<Item = Candidate> {
     orders.iter().map(move |&order| {
-        // A whole order is a name that an engineer would have tried first; any other was searched for.
+        // An integer order is what an engineer would try first; any other was found by scan.
         let scanned = usize::from((order - order.round()).abs() > 1e-9);
         candidate(kind, carrier, Driver::Harmonic { joint, order }, Coupling::Each, scanned)
     })
@@ -369,7 +371,7 @@ fn backlash(survey: &Survey) -> Vec<Candidate> {
 }
 
 fn joint_coupling(survey: &Survey) -> Vec<Candidate> {
-    // In every row that shows the one, the other has its reading.
+    // In every row that shows one joint, the other has a reading.
     let shown = |i: usize, j: usize| survey.statics.tips.all().iter().all(|tip| !tip.joints[i] || tip.joints[j]);
     let others = |i: usize| survey.moving().filter(move |&j| j != i && shown(i, j)).map(move |j| (i, j));
     let pairs = survey.moving().flat_map(others);
@@ -429,13 +431,13 @@ fn tilt(survey: &Survey) -> Vec<Candidate> {
     survey.tilts.iter().map(|(column, _)| column).flat_map(by).collect()
 }
 
-/// What an inclinometer is put on: the base, and columns that lift.
+/// Carriers of an inclinometer: the base, and lifting columns.
 pub fn tilting(survey: &Survey) -> impl Iterator<Item = Carrier> + '_ {
     let columns = survey.moving().filter(|&joint| survey.slides(joint)).map(Carrier::LinkEndTurn);
     std::iter::once(Carrier::BaseTurn).chain(columns)
 }
 
-/// What may move with temperature or time.
+/// Carriers that may move with temperature or time.
 fn movable(survey: &Survey) -> Vec<Carrier> {
     let mut carriers: Vec<Carrier> = survey.moving().map(Carrier::Joint).collect();
     if survey.anchor {

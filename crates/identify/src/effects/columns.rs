@@ -1,4 +1,4 @@
-//! What the columns are called that drivers follow, and their units.
+//! Names and units of the columns that drivers use.
 
 use denavit_measurements::covariates::PAYLOAD;
 
@@ -8,20 +8,20 @@ pub const TIME: &str = "time";
 pub const RUN_ORDER: &str = "run order";
 /// Ending of the covariates that give the side from which a joint came, +1 from below.
 pub const APPROACH: &str = ".approach";
-/// Ending of the same when it was read from the order of the rows.
+/// The same, computed from the order of the rows.
 pub const APPROACH_FROM_ROWS: &str = ".approach from run order";
-/// Within the names of the covariates that say how far a joint has wound itself up since it last turned back, -1 to +1, for one of
-/// [`MEMORIES`]: read from the order of the rows.
+/// Within the names of the covariates that give the wind-up of a joint since its last reversal, -1 to +1, for one of
+/// [`MEMORIES`]: computed from the order of the rows.
 pub const WOUND_UP: &str = ".wound up over";
-/// Travels after which a joint that turned back is wound up to all but 1/e, rad or m.
+/// Travel after a reversal to wind up a joint to all but 1/e, rad or m.
 pub const MEMORIES: [f64; 3] = [0.02, 0.1, 0.5];
-/// Within the names of the covariates that say how warm a joint's own work has made it, rad or m by row or by second: read from the order
-/// of the rows, and of the clock.
+/// Within the names of the covariates that give a joint's warmth by its own work, rad or m by row or by second: computed from the order
+/// of the rows, and the clock.
 pub const WARMTH: &str = ".warmth over";
 /// Ending of the covariates that give a joint's velocity.
 pub const VELOCITY: &str = ".velocity";
 
-/// Endings of the covariates that give what a joint's motor works against: torque, the same as ROS calls it (N·m; N for a slide), and current, A.
+/// Endings of the covariates that give a motor's load: torque, effort as in ROS (N·m; N for a slide), and current, A.
 pub const MOTOR_TORQUE: &str = ".torque";
 /// See [`MOTOR_TORQUE`].
 pub const EFFORT: &str = ".effort";

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// Share of the range that the sines' interval adds at both ends together. A sine is zero at the ends of its interval, so
-/// the interval must be longer than the range; Riutort-Mayol et al. 2023 ("Practical Hilbert space approximate Bayesian
-/// Gaussian processes") take a factor of 1.2 and more for curves that are short beside the range.
+/// the interval must exceed the range; Riutort-Mayol et al. 2023 ("Practical Hilbert space approximate Bayesian
+/// Gaussian processes") use a factor of 1.2 and more for length scales that are short relative to the range.
 const MARGIN: f64 = 0.2;
 
-/// Readings at which the spread of a curve is kept.
+/// Number of readings at which a curve's standard deviation is stored.
 const SPREAD_PLACES: usize = 400;
 
 /// The waves that make a curve.
@@ -36,7 +36,7 @@ pub enum Waves {
 }
 
 impl Waves {
-    /// For a joint that was seen between two readings: harmonics if it turned by more than a turn and may go on, else sines.
+    /// For a joint measured between two readings: harmonics if it is continuous and covered more than a turn, else sines.
     ///
     /// # Shape and units
     /// `highest`: no wave is faster than this, rad per rad or per m; `most`: nor are there more of them.
@@ -50,7 +50,7 @@ impl Waves {
         Self::Sines { low: low - 0.5 * MARGIN * span, width, count }
     }
 
-    /// How many numbers a curve of these waves has.
+    /// Number of weights of a curve of these waves.
     pub fn len(&self) -> usize {
         match self {
             Self::Sines { count, .. } => *count,
@@ -140,23 +140,23 @@ pub struct Curve {
     pub weights: Vec<f64>,
     /// Lowest and highest reading in the data, rad or m.
     pub range: (f64, f64),
-    /// How large the curve is expected to be where nothing is known, rad or m: the kernel's standard deviation.
+    /// Prior standard deviation of the curve, rad or m: the kernel's.
     pub size: f64,
-    /// How far apart readings must be for the curve to differ, rad or m: the kernel's length scale.
+    /// The kernel's length scale, rad or m.
     pub length: f64,
     /// Standard deviation of the curve at evenly spaced readings over the range, ends included, rad or m.
     pub spread: Vec<f64>,
 }
 
 impl Curve {
-    /// What is added to the joint's value at a reading, rad or m; 0 where there were no data.
+    /// Correction of the joint's value at a reading, rad or m; 0 where there were no data.
     pub fn value(&self, reading: f64) -> f64 {
         let (mut weights, mut sum) = (self.weights.iter(), 0.0);
         self.waves.each(reading, |wave| sum += weights.next().map_or(0.0, |weight| wave * weight));
         sum
     }
 
-    /// Standard deviation of the curve at a reading, rad or m; that of any such curve where there were no data.
+    /// Standard deviation of the curve at a reading, rad or m; the prior's where there were no data.
     pub fn deviation(&self, reading: f64) -> f64 {
         let (low, high) = self.range;
         if !(low..=high).contains(&reading) || self.spread.len() < 2 {
@@ -168,12 +168,12 @@ impl Curve {
         self.spread[index] * (1.0 - part) + self.spread[index + 1] * part
     }
 
-    /// Readings at which the spread is kept.
+    /// Readings at which the spread is stored.
     pub fn places(range: (f64, f64)) -> impl Iterator<Item = f64> {
         (0..SPREAD_PLACES).map(move |k| range.0 + (range.1 - range.0) * k as f64 / (SPREAD_PLACES - 1) as f64)
     }
 
-    /// What is wrong with a curve that was written by hand, for a chain of so many joints.
+    /// The fault of a curve from a file, for a chain of this many joints.
     pub(super) fn fault(&self, joints: usize) -> Option<String> {
         if self.joint >= joints {
             return Some(format!("it names joint {}; joints are 0 to {}", self.joint, joints.saturating_sub(1)));
@@ -184,7 +184,7 @@ impl Curve {
         let numbers = self.weights.iter().chain(&self.spread).chain([&self.size, &self.length]);
         let width = if let Waves::Sines { width, .. } = self.waves { width } else { 1.0 };
         let good = numbers.copied().all(f64::is_finite) && width > 0.0 && self.range.0 < self.range.1;
-        (!good).then(|| "a number of it is not finite, or its range is empty; give finite numbers".into())
+        (!good).then(|| "one of its numbers is not finite, or its range is empty; give finite numbers".into())
     }
 }
 

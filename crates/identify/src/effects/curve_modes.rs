@@ -1,7 +1,7 @@
-//! How an error curve is unsure: the shapes by which its posterior varies most, so that a later calibration can go on from it.
+//! Uncertainty of an error curve: the shapes by which its posterior varies most, so that a later calibration can continue from it.
 //!
-//! With Σ the posterior covariance of a curve's weights and Σ = V Λ Vᵀ, a mode is a column of V √Λ: the curve is its mean and so many
-//! modes, each times a number of mean 0 and variance 1. The largest `MOST` are kept (Karhunen-Loève); what is left is taken for nothing.
+//! With Σ the posterior covariance of a curve's weights and Σ = V Λ Vᵀ, a mode is a column of V √Λ: the curve is its mean plus the
+//! modes, each times a number of mean 0 and variance 1. The largest `MOST` are kept (Karhunen-Loève); the rest is neglected.
 
 use crate::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::effects::carrier::Action;
@@ -11,12 +11,12 @@ use crate::effects::model::{EffectModel, Standing, add_sensitivity};
 use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 use denavit_model::nalgebra::DMatrix;
 
-/// Modes of a curve, at most.
+/// Most modes of a curve.
 const MOST: usize = 8;
-/// A mode of a smaller share of the largest one's variance is left out.
+/// A mode with less than this fraction of the largest one's variance is left out.
 const LEAST: f64 = 1e-3;
 
-/// The modes of a fit's curves, and how they hang together with the fit's numbers.
+/// The modes of a fit's curves, and their covariance with the fit's numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveModes {
     /// For each curve its modes: weights of its waves, a list for each mode, rad or m.
@@ -28,12 +28,12 @@ pub struct CurveModes {
 }
 
 impl CurveModes {
-    /// Of no curves beside a layout of so many numbers.
+    /// No curves, with a layout of this many numbers.
     pub fn none(numbers: usize) -> Self {
         Self { shapes: Vec::new(), covariance: DMatrix::zeros(0, 0), cross: DMatrix::zeros(0, numbers) }
     }
 
-    /// Of curves whose weights have these places in a covariance, beside numbers at others.
+    /// Of curves whose weights have these indices in a covariance, with other numbers at other indices.
     pub fn of(covariance: impl Fn(usize, usize) -> f64, curves: &[std::ops::Range<usize>], numbers: &[usize]) -> Self {
         let block = |rows: &[usize], columns: &[usize]| {
             DMatrix::from_fn(rows.len(), columns.len(), |i, k| covariance(rows[i], columns[k]))
@@ -72,8 +72,8 @@ impl CurveModes {
         Self { shapes, covariance: all, cross }
     }
 
-    /// These and the modes of more curves, with no correlation between them: `places` are those of the first one's numbers in a layout of
-    /// `of`, in which the others stand at `others`.
+    /// These and the modes of more curves, without correlation between them: `places` are the indices of the first one's numbers in a layout
+    /// of `of`, and `others` those of the others.
     #[must_use]
     pub fn with(&self, places: &[usize], more: &Self, others: &[usize], of: usize) -> Self {
         let (own, added) = (self.covariance.nrows(), more.covariance.nrows());
@@ -105,12 +105,12 @@ struct Mode {
 pub struct Varying {
     model: EffectModel,
     modes: Vec<Mode>,
-    /// Of each mode.
+    /// Amount of each mode.
     amounts: Vec<f64>,
 }
 
 impl Varying {
-    /// As yet with the curves as they are. `shapes`: for each curve of the model its modes.
+    /// With unchanged curves. `shapes`: for each curve of the model its modes.
     pub fn new(model: EffectModel, shapes: &[&[Vec<f64>]]) -> Self {
         let of = |(curve, shapes): (usize, &&[Vec<f64>])| {
             shapes.iter().map(move |weights| Mode { curve, weights: weights.clone() }).collect::<Vec<Mode>>()
@@ -119,7 +119,7 @@ impl Varying {
         Self { model, amounts: vec![0.0; modes.len()], modes }
     }
 
-    /// The model with its curves as they came to vary.
+    /// The model with its updated curves.
     pub fn updated(&self) -> EffectModel {
         let mut model = self.model.clone();
         for (mode, amount) in self.modes.iter().zip(&self.amounts) {

@@ -1,6 +1,6 @@
-//! What drives an effect: functions of a row's readings, of gravity, and of what was recorded beside them.
+//! What drives an effect: functions of a row's readings, of gravity, and of recorded quantities.
 //!
-//! No driver sees a measured value. What a driver follows beside the readings is a [`Column`], which is only there where every
+//! No driver sees a measured value. Other than the readings, a driver depends only on a [`Column`], which exists only where every
 //! row has a value for it. A new driver is a variant of [`Driver`], its arms in [`Driver::values_into`], [`Driver::len`],
 //! [`Driver::joint`], [`Driver::named_by`] and [`Driver::unit`], and an entry that uses it in [`super::catalogue::KINDS`]; the
 //! test `every_driver_gives_as_many_values_as_it_says` then covers it.
@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 
 /// What drives an effect. Joints are counted from 0, base to tip.
 ///
-/// `C`: what stands for a recorded quantity, a column of the data at hand, or a name before it is bound to one.
+/// `C`: a recorded quantity, as a column of the data, or a name before it is bound to one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", bound(deserialize = "C: Deserialize<'de> + Default"))]
 pub enum Driver<C = Column> {
@@ -64,7 +64,7 @@ pub enum Driver<C = Column> {
     },
     /// Gravity's torque on a joint about its axis, N·m (force along it for a slide, N), payload included.
     Torque(usize),
-    /// Parts of that torque whose sizes are free: where masses are unknown. Two per link (one first moment in the plane
+    /// Parts of that torque with free sizes, for unknown masses. Two per link (one first moment in the plane
     /// across the axis each), for `links` links from the joint on; then the payload's part.
     TorqueTerms {
         /// The joint.
@@ -72,15 +72,15 @@ pub enum Driver<C = Column> {
         /// How many links.
         links: usize,
     },
-    /// That torque, and sine and cosine of the joint's value, three values: what a spring between the joint's two links takes up
-    /// of it.
+    /// That torque, and sine and cosine of the joint's value, three values: a spring between the joint's two links carries part
+    /// of the torque.
     SprungTorque(usize),
-    /// That torque, and the same as it levels off, torque/(1 + |torque|/knee), two values: a joint that stiffens as it is loaded,
+    /// That torque, and its saturating form torque/(1 + |torque|/knee), two values: a joint that stiffens under load,
     /// as harmonic drives do (Spong 1987; makers give three straight pieces).
     HardeningTorque {
         /// The joint.
         joint: usize,
-        /// Where half of the softness is gone, N·m (N for a slide).
+        /// Torque at which the compliance is half, N·m (N for a slide).
         knee: f64,
     },
     /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`] and [`AxisBasis::b`].
@@ -91,14 +91,14 @@ pub enum Driver<C = Column> {
     EndMoment(usize),
     /// Gravity's moment on the base about its origin, N·m: three values.
     Overturning,
-    /// The same about two lines across gravity, N·m, two values: gravity has no moment about its own line.
+    /// The same about two lines perpendicular to gravity, N·m, two values: gravity has no moment about its own line.
     LevelOverturning,
     /// The side from which a joint came, +1 from below.
     Approach(Side<C>),
     /// The side to which gravity pushes a joint, +1 or -1.
     GravitySide(usize),
-    /// The side on which a joint with play comes to rest, +1 or -1: where gravity is stronger than friction its own, else that
-    /// which the joint was driven to.
+    /// The side on which a joint with play comes to rest, +1 or -1: gravity's side where gravity is stronger than friction, else the side
+    /// to which the joint was driven.
     FrictionSide {
         /// The side to which it was driven.
         #[serde(flatten)]
@@ -106,10 +106,10 @@ pub enum Driver<C = Column> {
         /// Friction, N·m (N for a slide).
         friction: f64,
     },
-    /// The side from which a joint came times the size of gravity's torque on it, N·m (N for a slide): friction grows with what a
-    /// joint carries, and the output stays behind by it.
+    /// The side of approach times the size of gravity's torque on the joint, N·m (N for a slide): friction grows with the load, and
+    /// the output lags by it.
     LoadedSide(Side<C>),
-    /// Every joint's velocity, rad/s or m/s; a joint that stands still in every row needs none.
+    /// Every joint's velocity, rad/s or m/s; not needed for a joint that stands still in every row.
     #[serde(skip)]
     Velocities(Vec<JointVelocity<C>>),
     /// A recorded quantity.
@@ -137,11 +137,11 @@ pub enum Driver<C = Column> {
         /// Knots, ascending.
         knots: Vec<f64>,
     },
-    /// Values that are the same in every row: the average of a driver that follows what nobody recorded.
+    /// Values that are the same in every row: the mean of a driver whose quantity is not recorded.
     Fixed(Vec<f64>),
 }
 
-/// Where a joint's velocity is recorded: as that of the coordinate that moves it.
+/// A joint's velocity, recorded as that of the coordinate that moves it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointVelocity<C = Column> {
     /// The joint.
@@ -150,7 +150,7 @@ pub struct JointVelocity<C = Column> {
     pub of_coordinate: C,
 }
 
-/// The drivers that follow one joint, as a pattern that names it.
+/// The drivers of one joint, as a pattern that names it.
 macro_rules! follows_a_joint {
     ($joint:ident) => {
         Self::Reading($joint)
@@ -171,7 +171,7 @@ macro_rules! follows_a_joint {
 }
 
 impl<C> Driver<C> {
-    /// How many values it has.
+    /// Number of its values.
     pub fn len(&self, statics: &Statics) -> usize {
         match self {
             Self::Harmonic { .. } | Self::MomentAcross(_) | Self::LevelOverturning | Self::HardeningTorque { .. } => 2,
@@ -186,7 +186,7 @@ impl<C> Driver<C> {
         }
     }
 
-    /// The joint that it follows, where it follows one.
+    /// The joint that it depends on, if it is one.
     pub fn joint(&self) -> Option<usize> {
         match *self {
             follows_a_joint!(joint) => Some(joint),
@@ -194,12 +194,12 @@ impl<C> Driver<C> {
         }
     }
 
-    /// Every joint that it follows.
+    /// Every joint that it depends on.
     pub fn joints(&self) -> Vec<usize> {
         self.joint().into_iter().collect()
     }
 
-    /// The same as [`Driver::joint`], to be counted anew.
+    /// The same as [`Driver::joint`], mutable.
     pub(super) fn joint_mut(&mut self) -> Option<&mut usize> {
         match self {
             follows_a_joint!(joint) => Some(joint),
@@ -207,8 +207,7 @@ impl<C> Driver<C> {
         }
     }
 
-    /// The side of a joint that it follows, where it follows one: what [`Driver::columns`] has of it, what a file leaves out, and what
-    /// poses to come are offered by.
+    /// The side of approach that it depends on, if any: used by [`Driver::columns`], left out of files, and used to offer future poses.
     pub fn side(&self) -> Option<&Side<C>> {
         match self {
             Self::Approach(side) | Self::FrictionSide { side, .. } | Self::LoadedSide(side) => Some(side),
@@ -216,7 +215,7 @@ impl<C> Driver<C> {
         }
     }
 
-    /// The same, to be named.
+    /// The same, mutable.
     pub(super) fn side_mut(&mut self) -> Option<&mut Side<C>> {
         match self {
             Self::Approach(side) | Self::FrictionSide { side, .. } | Self::LoadedSide(side) => Some(side),
@@ -224,7 +223,7 @@ impl<C> Driver<C> {
         }
     }
 
-    /// Whether its values depend on how far the arm has given way.
+    /// Whether its values depend on the arm's deflection.
     pub fn feels_gravity(&self) -> bool {
         matches!(
             self,
@@ -240,13 +239,13 @@ impl<C> Driver<C> {
         )
     }
 
-    /// Whether its values depend on how the arm stands, or on its load.
+    /// Whether its values depend on the arm's posture or load.
     pub fn needs_posture(&self) -> bool {
         self.feels_gravity()
             || matches!(self, Self::GravitySide(_) | Self::FrictionSide { .. } | Self::LoadedSide { .. })
     }
 
-    /// Every column that it follows; a payload is none of them, for nothing given is nothing carried.
+    /// Every column that it depends on; a payload is not included, since no payload column means no payload.
     pub fn columns(&self) -> Vec<&C> {
         match self {
             Self::Covariate(column)
@@ -258,7 +257,7 @@ impl<C> Driver<C> {
         }
     }
 
-    /// The same with others in the place of the columns that it follows.
+    /// The same with other columns.
     ///
     /// # Errors
     /// Those of `named`.
@@ -377,7 +376,7 @@ impl Driver {
         }
     }
 
-    /// Unit of its value of this index: what a coefficient is per.
+    /// Unit of the value at this index.
     pub fn unit(&self, chain: &Chain, value: usize) -> &'static str {
         let slides = |joint: usize| matches!(chain.joints()[joint].screw, Screw::Prismatic(_));
         match self {
@@ -414,7 +413,7 @@ impl Driver {
         }
     }
 
-    /// The recorded quantity that it follows, where it follows one that is no joint's side or velocity.
+    /// The recorded quantity that it depends on, other than a joint's side or velocity.
     pub fn covariate(&self) -> Option<&str> {
         match self {
             Self::Covariate(column) => Some(column.name()),
@@ -480,7 +479,7 @@ mod tests {
                 assert_eq!(values.len(), driver.len(&statics), "{driver:?}");
                 assert!(values.iter().all(|value| value.is_finite()), "{driver:?}");
                 let text = serde_json::to_string(&WrittenDriver::of(&driver)).unwrap();
-                // What is not a number is none in a file.
+                // NaN is not a number in a file.
                 let read = serde_json::from_str::<WrittenDriver>(&text).ok().filter(|_| !text.contains("null"));
                 let written = read.unwrap_or_else(|| WrittenDriver::of(&driver));
                 assert_eq!(written.named(&statics.chain).len(&statics), values.len(), "{text}");

@@ -14,12 +14,12 @@ use denavit_model::ChainJoint;
 pub struct Everything(pub EffectModel);
 
 impl Everything {
-    /// How many of its numbers are coefficients of effects.
+    /// Number of coefficients of effects.
     pub fn coefficients(&self) -> usize {
         self.0.effects.iter().map(|effect| effect.coefficients.len()).sum()
     }
 
-    /// How many numbers it has.
+    /// Number of its parameters.
     pub fn len(&self) -> usize {
         self.coefficients() + self.0.curves.iter().map(|curve| curve.waves.len()).sum::<usize>()
     }
@@ -29,7 +29,7 @@ impl Everything {
         self.len() == 0
     }
 
-    /// Without effects and last waves of which no number is kept (`kept` ascending), and for each number its place in what is left.
+    /// Without effects and last waves of which no number is kept (`kept` ascending), and for each number its new index.
     #[must_use]
     pub fn pruned(&self, kept: &[usize]) -> (Self, Vec<Option<usize>>) {
         let mut places = vec![None; self.len()];
@@ -60,7 +60,7 @@ impl Everything {
         (Self(model), places)
     }
 
-    /// How the tip moves per unit of a curve's value, and that per unit of each wave; none where its joint does not move the tip.
+    /// Motion of the tip per unit of a curve's value, and the curve per unit of each wave; none where its joint does not move the tip.
     pub(crate) fn of_curve(
         &self,
         curve: &Curve,

@@ -1,4 +1,4 @@
-//! Gravity on an arm: masses from the URDF, or a stand-in with the arm's own shape where it has none.
+//! Gravity on an arm: masses from the URDF, or default masses in the arm's shape where it has none.
 
 use crate::arm::RowState;
 use crate::effects::carrier::axis_points;
@@ -9,8 +9,8 @@ use std::collections::HashMap;
 /// m/s².
 const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Mass per metre of arm beyond a link that stands in where the URDF has no inertials, kg/m: only ratios matter, for the
-/// compliance that is found is in proportion to it.
+/// Default mass per metre of arm beyond a link where the URDF has no inertials, kg/m: only ratios matter, since the
+/// estimated compliance is proportional to it.
 const STAND_IN_DENSITY: f64 = 10.0;
 
 /// A point mass fixed to a link.
@@ -24,23 +24,23 @@ pub struct PointMass {
     pub centre: Point3<f64>,
 }
 
-/// What gravity acts on.
+/// The masses that gravity acts on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Masses {
-    /// Point masses; statics knows no tensors.
+    /// Point masses; statics needs no inertia tensors.
     pub points: Vec<PointMass>,
     /// Direction and size of gravity in the base frame, m/s².
     pub gravity: Vector3<f64>,
-    /// False where the URDF has no inertials and the masses only stand in.
+    /// False where the URDF has no inertials and the masses are defaults.
     pub from_inertials: bool,
 }
 
-/// What joint i carries in one row: gravity on everything beyond it, base frame.
+/// The load of joint i in one row: gravity on everything beyond it, base frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
     /// N.
     pub force: Vector3<f64>,
-    /// N·m about joint i's point, where it stands now.
+    /// N·m about joint i's point, at its current position.
     pub moment: Vector3<f64>,
 }
 
@@ -72,9 +72,9 @@ impl Masses {
         Self { points, gravity: base_from_root.rotation * down(), from_inertials: true }
     }
 
-    /// A rod along each link, heavier towards the base as arms are: mass in proportion to the reach from there on.
+    /// A rod along each link, heavier towards the base as in real arms: mass in proportion to the reach from there on.
     ///
-    /// Where the ways to two tips part, the joints before have the rods of the first.
+    /// Where the ways to two tips separate, the joints before have the rods of the first.
     pub fn stand_in(chain: &Chain, tips: &Tips) -> Self {
         let mut masses: Vec<PointMass> = Vec::new();
         for tip in tips.all() {
@@ -91,11 +91,11 @@ impl Masses {
         Self { points: masses, gravity: down(), from_inertials: false }
     }
 
-    /// Loads on every joint in a row, in place of what is in `out`.
+    /// Loads on every joint in a row, written to `out`.
     ///
     /// `centres`: of the masses, base frame at home, m, as [`Masses::points`] has them or where an actual arm carries them; `points`: one per
     /// joint, base frame at home, m; `carriers`: for each joint the one that carries it; `payload` (kg)
-    /// hangs at the tip's origin, on a joint.
+    /// is at the tip's origin, on a joint.
     pub fn loads_into(
         &self,
         centres: &[Point3<f64>],
@@ -115,7 +115,7 @@ impl Masses {
             let force = self.gravity * mass;
             out[joint].add(&Load { force, moment: at.cross(&force) });
         }
-        // No joint stands before what carries it.
+        // No joint comes before its carrier.
         for joint in (0..out.len()).rev() {
             if let Some(carrier) = carriers[joint] {
                 let beyond = out[joint];

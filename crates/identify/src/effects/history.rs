@@ -1,37 +1,37 @@
-//! What the order of the rows tells of a joint: one rule for measured runs and for commands.
+//! A joint's history, computed from the order of the rows: one rule for measured runs and for commands.
 //!
-//! Each is a state that every move brings on, and a computed column that drivers follow as they follow recorded ones.
+//! Each is a state that every move updates, and a computed column that drivers use like a recorded one.
 
 use crate::effects::approach::side_after;
 use crate::effects::columns::{APPROACH, APPROACH_FROM_ROWS, MEMORIES, WARMTH, WOUND_UP};
 
-/// Time constants of warmth in rows, where nobody says how long a row takes.
+/// Time constants of warmth in rows, where no row has a time.
 const LAGS_IN_ROWS: [f64; 5] = [10.0, 40.0, 160.0, 640.0, 2560.0];
 /// Time constants of warmth, s: from a minute to some hours.
 const LAGS_IN_SECONDS: [f64; 5] = [60.0, 240.0, 960.0, 3840.0, 15360.0];
 
-/// What the order of the rows tells of a joint.
+/// A state of a joint, computed from the order of the rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum History {
     /// The side from which it came, +1 from below.
     Side,
-    /// How far it has wound itself up against friction, -1 to +1: with each move it comes nearer to the side to which it goes by
-    /// 1 - exp(-travel/memory) of the way (Dahl 1968, "A solid friction model", with exponent 1).
+    /// Its wind-up against friction, -1 to +1: each move brings it nearer to the side of the motion by a fraction
+    /// 1 - exp(-travel/memory) (Dahl 1968, "A solid friction model", with exponent 1).
     WoundUp {
         /// rad or m.
         memory: f64,
     },
-    /// How warm its own work has made it: its travel, by row or by second, seen through a lag of the first order. Friction makes heat in
-    /// proportion to the travel, and what is warm cools in proportion to its warmth (Newton's law of cooling).
+    /// Its warmth by its own work: its travel, by row or by second, through a first-order lag. Friction makes heat in proportion to the
+    /// travel, and the joint cools in proportion to its warmth (Newton's law of cooling).
     Warmth {
         /// Time constant, rows or s.
         lag: f64,
-        /// In what it is counted.
+        /// Unit of the time constant.
         pace: Pace,
     },
 }
 
-/// In what a lag is counted.
+/// Unit of a lag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
     /// By rows.
@@ -40,14 +40,14 @@ pub enum Pace {
     Seconds,
 }
 
-/// What a joint did from one row to the next.
+/// A joint's motion from one row to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Move {
     /// rad or m.
     pub moved: f64,
-    /// The largest change of a reading that is no move, rad or m.
+    /// The largest change of a reading that is not a move, rad or m.
     pub still: f64,
-    /// How long it took, s; none where nobody says.
+    /// Duration, s; none where unknown.
     pub seconds: Option<f64>,
 }
 
@@ -62,12 +62,12 @@ impl Pace {
 }
 
 impl History {
-    /// All that is told, the warmth by the clock only where there is one.
+    /// All states, warmth by the clock only where there is a clock.
     pub fn told(clock: bool) -> impl Iterator<Item = Self> {
         Self::all().filter(move |told| clock || !told.needs_a_clock())
     }
 
-    /// All that may be told.
+    /// All possible states.
     fn all() -> impl Iterator<Item = Self> {
         let wound_up = MEMORIES.into_iter().map(|memory| Self::WoundUp { memory });
         std::iter::once(Self::Side)
@@ -76,17 +76,17 @@ impl History {
             .chain(LAGS_IN_SECONDS.into_iter().map(|lag| Self::Warmth { lag, pace: Pace::Seconds }))
     }
 
-    /// Whether it is told by the column `time` beside the order of the rows.
+    /// Whether it needs the column `time`.
     pub const fn needs_a_clock(self) -> bool {
         matches!(self, Self::Warmth { pace: Pace::Seconds, .. })
     }
 
-    /// Whether the way to a pose decides it, whatever came before.
+    /// Whether the last move to a pose determines it, whatever came before.
     pub const fn is_of_the_way(self) -> bool {
         matches!(self, Self::Side | Self::WoundUp { .. })
     }
 
-    /// The ending of the column that tells it, after the joint's name, where it was read from the order of the rows.
+    /// The ending of its column after the joint's name, where it is computed from the order of the rows.
     pub fn ending(self) -> String {
         match self {
             Self::Side => APPROACH_FROM_ROWS.to_owned(),
@@ -95,12 +95,12 @@ impl History {
         }
     }
 
-    /// The joint of a column that the order of rows tells, and what it tells.
+    /// The joint and the state of a column that is computed from the order of the rows.
     pub fn of_column(name: &str) -> Option<(&str, Self)> {
         if let Some(joint) = name.strip_suffix(APPROACH) {
             return Some((joint, Self::Side));
         }
-        // Most columns tell nothing of the kind, and this is asked often.
+        // Most columns are of another kind, and this is called often.
         let may = [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word));
         let mut told = may.then(Self::all).into_iter().flatten();
         told.find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told)))
@@ -131,7 +131,7 @@ impl History {
                     Pace::Rows => 1.0,
                     Pace::Seconds => seconds.unwrap_or(0.0),
                 };
-                // A clock that was set back says nothing of how long it took: the heat is there, none has gone.
+                // A clock that was set back gives no duration: heat is added, and no cooling.
                 if took > 0.0 { had + (travel / took - had) * -(-took / lag).exp_m1() } else { had + travel / lag }
             }
         }
@@ -167,7 +167,7 @@ mod tests {
                 }
                 History::Warmth { lag, pace } => {
                     let took = if pace == Pace::Rows { 1.0 } else { 2.0 };
-                    // Travel by row or second, whichever way it goes; what stands cools.
+                    // Travel by row or second, in either direction; a joint at rest cools.
                     assert!((state - 0.05 / took).abs() < 1e-4 && (back - state).abs() < 1e-6, "{told:?} {state}");
                     assert!((stood - state * (-took / lag).exp()).abs() < 1e-12, "{told:?} {stood}");
                     let set_back = told.after(Move { seconds: Some(-5.0), ..step(0.05) }, state);

@@ -1,4 +1,4 @@
-//! Effects with their numbers: what they do in a row, and as JSON to be used again.
+//! Effects with their numbers: their perturbation in a row, and their JSON form.
 
 use crate::arm::{Arm, Perturbation, Perturbed, Row, RowState};
 use crate::effects::averaged::Averaged;
@@ -13,24 +13,24 @@ use denavit_model::{Chain, ChainJoint, Pose, se3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Passes after which an arm that bends under its weight is taken to stand.
+/// Most passes to find the posture of an arm that bends under its weight.
 const MOST_PASSES: usize = 6;
-/// A change between two passes of this size (rad, m) moves no instrument.
+/// Negligible change between two passes (rad, m).
 const STILL: f64 = 1e-7;
 
-/// How the values of a driver meet the directions of a carrier.
+/// How the values of a driver combine with the directions of a carrier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Coupling {
-    /// Every direction takes every value, each with a coefficient of its own.
+    /// Every direction uses every value, each pair with its own coefficient.
     Each,
-    /// Direction k takes value k, and all share one coefficient.
+    /// Direction k uses value k, and all share one coefficient.
     Paired,
 }
 
 /// Where it acts × what drives it: a term of the model without its numbers.
 ///
-/// `D`: the driver, bound to the columns that it follows, with their names alone, or a [`WrittenDriver`](crate::effects::WrittenDriver) as a file has it.
+/// `D`: the driver, bound to its columns, with their names only, or a [`WrittenDriver`](crate::effects::WrittenDriver) as in a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Term<D = Driver> {
     /// The engineer's name for it.
@@ -39,12 +39,12 @@ pub struct Term<D = Driver> {
     pub carrier: Carrier,
     /// What drives it.
     pub driver: D,
-    /// How these two meet.
+    /// How these two combine.
     pub coupling: Coupling,
 }
 
 impl<D> Term<D> {
-    /// How many coefficients it has with so many values of its driver.
+    /// Number of coefficients for this number of driver values.
     pub(super) fn coefficients_of(&self, statics: &Statics, values: usize) -> usize {
         let joints = statics.chain.joints();
         match self.coupling {
@@ -53,7 +53,7 @@ impl<D> Term<D> {
         }
     }
 
-    /// Whether it has a part in where the tip is; the others change what is measured.
+    /// Whether it moves the tip; the others change what is measured.
     pub fn moves_the_tip(&self) -> bool {
         !matches!(
             self.carrier,
@@ -68,7 +68,7 @@ impl Term {
         self.coefficients_of(statics, self.driver.len(statics))
     }
 
-    /// Takes the actions of a unit of every coefficient: its index, the action, the amount for these values of the driver.
+    /// Calls back with the actions of a unit of every coefficient: its index, the action, the amount for these values of the driver.
     pub(crate) fn each_action(
         &self,
         directions: &[Vec<Action>],
@@ -129,7 +129,7 @@ pub struct Effect<D = Driver> {
     pub coefficients: Vec<f64>,
 }
 
-/// What geometry lacks: effects on a chain, ready for a fit, for forward kinematics, for compensation.
+/// Effects on a chain, ready for a fit, for forward kinematics, for compensation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectModel {
     /// The nominal chain and its masses.
@@ -138,18 +138,18 @@ pub struct EffectModel {
     pub effects: Vec<Effect>,
     /// Error curves of joints, no cause claimed; these add to the effects.
     pub curves: Vec<Curve>,
-    /// What an earlier calibration knows of the same chain: it acts beside the others and has no free numbers.
+    /// Effects of an earlier calibration of the same chain: they act with the others and have no free numbers.
     pub earlier: Option<Arc<EffectModel>>,
     /// A prediction that is averaged over everything that may act, as a correction of the geometric fit.
     pub averaged: Option<Arc<Averaged>>,
 }
 
-/// An arm as effects see it before any row is looked at, and how it stands in the row that was looked at last.
+/// An arm as effects see it: the part that is the same for all rows, and its posture in the last row.
 #[derive(Debug, Clone)]
 pub struct Standing {
-    /// With its masses, where something hangs on how it stands.
+    /// With its masses, where an effect depends on the posture.
     arm: Option<AtHome>,
-    /// For each tip, of each effect that acts, what a unit of it does.
+    /// For each tip and each acting effect, the actions of a unit of it.
     directions: Vec<Vec<Vec<Vec<Action>>>>,
     motions: Vec<Pose>,
     posture: Posture,
@@ -167,7 +167,7 @@ impl EffectModel {
         Self { statics, effects, curves: Vec::new(), earlier: None, averaged: None }
     }
 
-    /// No effect with free numbers beside what an earlier calibration knows.
+    /// No effects with free numbers, with those of an earlier calibration.
     pub fn beside(statics: &Statics, earlier: Option<&Arc<Self>>) -> Self {
         Self { earlier: earlier.cloned(), ..Self::new(statics.clone(), Vec::new()) }
     }
@@ -177,7 +177,7 @@ impl EffectModel {
         self.earlier.iter().flat_map(|earlier| &earlier.effects).chain(&self.effects)
     }
 
-    /// These terms with every coefficient zero, beside what an earlier calibration knows.
+    /// These terms with every coefficient zero, with the effects of an earlier calibration.
     pub fn of_terms(statics: &Statics, earlier: Option<&Arc<Self>>, terms: &[Term]) -> Self {
         let effects = terms
             .iter()
@@ -186,7 +186,7 @@ impl EffectModel {
         Self { effects, ..Self::beside(statics, earlier) }
     }
 
-    /// An arm with these joints as the effects see it, before any row is looked at.
+    /// An arm with these joints as the effects see it, the same for all rows.
     pub(crate) fn standing_of(&self, joints: &[ChainJoint]) -> Standing {
         let of_tip = |tip: usize| {
             self.acting().map(|effect| effect.term.carrier.directions(&self.statics, joints, tip)).collect()
@@ -206,9 +206,9 @@ impl EffectModel {
         }
     }
 
-    /// What the effects do under these conditions to an arm with these joints, added to `out`, and how the arm then stands.
+    /// Adds to `out` the effects' perturbation of an arm with these joints under these conditions; returns the arm's posture then.
     ///
-    /// Where gravity bends the arm, its moment is that of the arm as bent: passes follow until it stands still.
+    /// Where gravity bends the arm, its moment is that of the bent arm: passes repeat until convergence.
     pub fn add_perturbation(
         &self,
         conditions: &Conditions<'_>,
@@ -221,7 +221,7 @@ impl EffectModel {
         posture
     }
 
-    /// The same into `out`, which comes all zero; `standing`: that of these joints.
+    /// The same into `out`, which must be all zero; `standing`: that of these joints.
     pub fn stand<'s>(
         &self,
         conditions: &Conditions<'_>,
@@ -236,7 +236,7 @@ impl EffectModel {
         &standing.posture
     }
 
-    /// The same; how the arm stands is left out where nothing hangs on it.
+    /// The same; the posture is left out where no effect depends on it.
     pub(super) fn bend(
         &self,
         conditions: &Conditions<'_>,
@@ -253,7 +253,7 @@ impl EffectModel {
         steady.clear();
         self.add_steady(conditions, joints, directions, values, steady);
         motions_into(joints, conditions.reading, motions);
-        // A joint that counts from the ground stands elsewhere than it reads.
+        // A joint whose reading counts from the ground is not at its reading.
         self.statics.posture_into(arm, motions, conditions, Some(steady), posture);
         let mut bent = |posture: &Posture, next: &mut Perturbation| {
             next.clear();
@@ -271,7 +271,7 @@ impl EffectModel {
             bent(posture, next);
             let moved = next.twists.iter().zip(&given.twists).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
             std::mem::swap(given, next);
-            // The next pass would move it by the same share of this as this is of the last.
+            // The next pass would change it in the same proportion as this one did.
             if moved < STILL || moved * moved < STILL * last {
                 out.add(given);
                 return;
@@ -283,7 +283,7 @@ impl EffectModel {
         out.add(next);
     }
 
-    /// What does not hang on how the arm stands under gravity, added to `out`.
+    /// Adds to `out` the effects that do not depend on the posture under gravity.
     fn add_steady(
         &self,
         conditions: &Conditions<'_>,
@@ -304,7 +304,7 @@ impl EffectModel {
         }
     }
 
-    /// How a prediction moves per unit of each coefficient, where the arm stands; `standing` is that of the same conditions.
+    /// Derivatives of a prediction by each coefficient in the current posture; `standing` is that of the same conditions.
     pub(super) fn sensitivities_of(
         &self,
         conditions: &Conditions<'_>,
@@ -357,7 +357,7 @@ impl EffectModel {
     }
 }
 
-/// Adds `amount` of an action to a sensitivity: twists are taken from home to where the arm stands.
+/// Adds `amount` of an action to a sensitivity: twists are moved from home to the current posture.
 pub fn add_sensitivity(action: &Action, amount: f64, state: &RowState, out: &mut Sensitivity) {
     match action {
         Action::Twist { slot, twist } => {

@@ -1,4 +1,4 @@
-//! What was found on the ways to several tips, for the chain to one of them.
+//! A model of several tips, reduced to the chain to one of them.
 
 use crate::arm::Arm;
 use crate::effects::averaged::{Averaged, Known, Spread};
@@ -13,8 +13,8 @@ use denavit_model::Tips;
 use std::sync::Arc;
 
 impl Statics {
-    /// Of the chain to one tip: what joints carry that are not on the way to it hangs still where it does at home, as other
-    /// joints of a tree do beside a chain.
+    /// For the chain to one tip: the load of joints that are not on the way to it stays at its home position, as with other joints
+    /// of a tree.
     fn to_tip(&self, tip: usize) -> Self {
         let chain = self.tips[tip].chain(&self.chain).expect("a part of a chain is a chain");
         let own = self.own(tip);
@@ -35,7 +35,7 @@ impl Statics {
         Self::new(chain, tips, masses, points)
     }
 
-    /// For each joint its place on the way to a tip, where it is on it.
+    /// For each joint its index on the way to a tip, if it is on it.
     fn own(&self, tip: usize) -> Vec<Option<usize>> {
         let mut own = vec![None; self.chain.joints().len()];
         self.on_the_way(tip).enumerate().for_each(|(place, joint)| own[joint] = Some(place));
@@ -44,7 +44,7 @@ impl Statics {
 }
 
 impl EffectModel {
-    /// What acts on the way to one tip, for its chain alone.
+    /// The effects on the way to one tip, for its chain.
     #[must_use]
     pub fn to_tip(&self, tip: usize) -> Self {
         if !self.statics.tips.several() {
@@ -64,7 +64,7 @@ impl EffectModel {
     fn on_the_way(&self, Effect { term, coefficients }: &Effect, own: &[Option<usize>]) -> Option<OnTheWay> {
         let carrier = renumbered(term.carrier, own)?;
         let (driver, kept) = match &term.driver {
-            // Parts of links that are not on the way are none of this chain's.
+            // Links that are not on the way do not belong to this chain.
             Driver::TorqueTerms { joint, links } => {
                 let parts = self.statics.carried(*joint, *links).map(|link| own[link].is_some());
                 let parts: Vec<bool> = parts.flat_map(|part| [part; 2]).collect();
@@ -84,7 +84,7 @@ impl EffectModel {
     }
 }
 
-/// An effect for a chain that has its joints there.
+/// An effect for a chain that contains its joints.
 struct OnTheWay {
     effect: Effect,
     /// Which values of its driver are left.
@@ -110,7 +110,7 @@ impl Averaged {
         for curve in &mean.curves {
             left.resize(left.len() + curve.waves.len(), own[curve.joint].is_some());
         }
-        // For each number its place among those that are left.
+        // For each number its new index.
         let mut next = 0..;
         let places: Vec<Option<usize>> = left.into_iter().map(|left| left.then(|| next.next()).flatten()).collect();
         let spread = |spread: &Spread| {

@@ -1,5 +1,4 @@
-//! A model as it is, and beside it directions in which the arm may move as free numbers: their columns are what candidates and
-//! sources of noise are made of.
+//! An unchanged model with additional free directions of the arm: candidates and sources of noise are built from their columns.
 
 use crate::arm::{Arm, Perturbation, Perturbed, Row};
 use crate::effects::carrier::{Action, Carrier};
@@ -7,11 +6,11 @@ use crate::effects::driver::Statics;
 use crate::effects::model::add_sensitivity;
 use crate::parameters::{Effects, Parameter, ParameterKind, Sensitivity};
 
-/// The model, and directions beside it, each driven by 1.
+/// The model, with additional directions, each driven by 1.
 #[derive(Debug)]
 pub struct Probe<'a, E> {
     model: &'a E,
-    /// For each tip as many.
+    /// The same number for each tip.
     directions: Vec<Vec<Vec<Action>>>,
 }
 
@@ -33,7 +32,7 @@ impl<'a, E> Probe<'a, E> {
         Self { model, directions: arm.tips.all().iter().map(of_tip).collect() }
     }
 
-    /// How many directions there are: the last of its parameters.
+    /// Number of directions: the last of its parameters.
     pub fn directions(&self) -> usize {
         self.directions[0].len()
     }

@@ -1,10 +1,10 @@
-//! What effects follow, by the names under which people give it.
+//! Quantities that effects depend on, by the names that users give.
 
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS, RUN_ORDER, TIME};
 use crate::effects::history::History;
 use denavit_measurements::Covariate;
 
-/// The name under which a person gives a quantity: a side of approach is one, whether a file gives it or the order of rows.
+/// A quantity's user-facing name: a side of approach has one name, whether from a file or from the order of rows.
 pub fn plain(name: &str) -> String {
     name.strip_suffix(APPROACH_FROM_ROWS).map_or_else(|| name.to_owned(), |joint| format!("{joint}{APPROACH}"))
 }
@@ -15,8 +15,7 @@ pub fn given(values: &[(String, f64)], name: &str) -> Option<f64> {
     values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
-/// Whether the order of rows or of commands tells a quantity: from which side a joint came, how far it has wound itself up, how warm it
-/// has become.
+/// Whether a quantity is computed from the order of rows or of commands: a joint's side of approach, its wind-up, its warmth.
 pub fn told_by_order(name: &str) -> bool {
     History::of_column(name).is_some()
 }

@@ -1,7 +1,7 @@
-//! The robot as it was drawn when effects were found on it, kept beside them.
+//! The drawn robot on which effects were found, kept with them.
 //!
 //! Directions across an axis, gravity's moments and the points where links end are those of the drawn robot. A calibrated
-//! robot's own would differ: where two base axes are equally far across, a milliradian chooses the other one.
+//! robot's own would differ: where two base axes are equally perpendicular, a milliradian selects the other one.
 
 use crate::effects::driver::Statics;
 use crate::effects::gravity::{Masses, PointMass};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct ReferenceRobot {
     /// Screw axes and home pose.
     chain: PoeFile,
-    /// What gravity acts on; joints are counted from 0.
+    /// The masses that gravity acts on; joints are counted from 0.
     masses: Vec<Mass>,
     /// m/s², base frame.
     gravity: [f64; 3],
@@ -34,14 +34,14 @@ struct Mass {
     centre: [f64; 3],
 }
 
-/// Two robots whose tips are this far apart at one reading, relative to their size, are no two states of one robot. An
-/// arm whose zeros were never set well comes out at 0.03, a UR5e and a UR10e at 0.3.
+/// Tips this far apart at one reading, relative to the robot's size, belong to different robots. An arm with badly set
+/// zeros has 0.03, a UR5e and a UR10e 0.3.
 const OTHER_ROBOT: f64 = 0.1;
 /// Readings at which they are compared.
 const COMPARED: usize = 20;
 
 impl ReferenceRobot {
-    /// As a file has it.
+    /// The file form.
     pub fn of(statics: &Statics) -> Self {
         let masses = &statics.masses;
         let entry =
@@ -58,7 +58,7 @@ impl ReferenceRobot {
     /// The chain and its masses.
     ///
     /// # Errors
-    /// The chain cannot be, or a mass or a point does not belong to it.
+    /// The chain is invalid, or a mass or a point does not belong to it.
     pub fn statics(&self, file: &str) -> Result<Statics, ReferenceRobotError> {
         let text = serde_json::to_string(&self.chain).map_err(|error| ReferenceRobotError::Parts(error.to_string()))?;
         let chain = sources::read(&format!("{file} (drawn.json)"), &text, sources::Stated::default())?;
@@ -66,16 +66,12 @@ impl ReferenceRobot {
         let joints = chain.joints().len();
         if let Some(mass) = self.masses.iter().find(|mass| mass.joint >= joints) {
             return Err(ReferenceRobotError::Parts(format!(
-                "a mass is on joint {}, and there are {joints}",
+                "a mass is on joint {}, but there are {joints} joints",
                 mass.joint
             )));
         }
         if self.points.len() != joints + 1 {
-            return Err(ReferenceRobotError::Parts(format!(
-                "{} points, where {} belong",
-                self.points.len(),
-                joints + 1
-            )));
+            return Err(ReferenceRobotError::Parts(format!("{} points instead of {}", self.points.len(), joints + 1)));
         }
         let point = |mass: &Mass| PointMass { joint: mass.joint, mass: mass.kilograms, centre: mass.centre.into() };
         let masses = Masses {
@@ -89,7 +85,7 @@ impl ReferenceRobot {
     }
 }
 
-/// Why the drawn robot of a file cannot be.
+/// Why the drawn robot of a file is invalid.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReferenceRobotError {
@@ -101,8 +97,8 @@ pub enum ReferenceRobotError {
     Parts(String),
 }
 
-/// How far the tips of two chains of like joints come apart over the joint range, m, where that is more than one
-/// robot's calibration explains.
+/// Largest distance of the tips of two chains with the same joints over the joint range, m, where calibration of one robot cannot
+/// explain it.
 pub fn apart(drawn: &Chain, given: &Chain) -> Option<f64> {
     let value = |row: usize, (k, coordinate): (usize, &denavit_model::Coordinate)| {
         let (lower, upper) = coordinate.range();

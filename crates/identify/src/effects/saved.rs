@@ -50,7 +50,7 @@ struct SavedEffect {
     source: String,
 }
 
-/// Why a file holds no effects for this robot.
+/// Why a file's effects do not apply to this robot.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SavedError {
@@ -64,7 +64,7 @@ pub enum SavedError {
     },
     /// Another version.
     #[error(
-        "{file}: schema is \"{found}\", and this program reads \"{SCHEMA}\"; make one with denavit calibrate ‹effects-out›"
+        "{file}: schema is \"{found}\", but this program reads \"{SCHEMA}\"; make one with denavit calibrate ‹effects-out›"
     )]
     Schema {
         /// The file.
@@ -84,7 +84,7 @@ pub enum SavedError {
     },
     /// For another robot with joints of the same names.
     #[error(
-        "{file}: the effects are those of robot \"{found}\", whose tip comes {apart:.3} m away from this one's; give the \
+        "{file}: the effects belong to robot \"{found}\", whose tip is {apart:.3} m away from this one's; give the \
          robot that they were found on, as drawn or as calibrated"
     )]
     OtherRobot {
@@ -95,7 +95,7 @@ pub enum SavedError {
         /// m.
         apart: f64,
     },
-    /// The drawn robot in the file is none.
+    /// The file's drawn robot is invalid.
     #[error("{file}: drawn: {why}; make the file again with denavit calibrate ‹effects-out›")]
     ReferenceRobot {
         /// The file.
@@ -122,12 +122,12 @@ pub enum SavedError {
         index: usize,
         /// Its kind.
         kind: &'static str,
-        /// What is wrong, and the mend.
+        /// What is wrong, and the fix.
         why: String,
     },
 }
 
-/// Effects as a file has them: what they follow beside the readings is named, and bound to columns before they act.
+/// Effects as in a file: their recorded quantities are names, which are bound to columns before they act.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SavedEffects {
     /// The nominal chain and its masses.
@@ -141,7 +141,7 @@ pub struct SavedEffects {
 }
 
 impl EffectModel {
-    /// What a file has of it.
+    /// Its file form.
     pub fn saved(&self) -> SavedEffects {
         let written = |Effect { term, coefficients }: &Effect| {
             let Term { kind, carrier, driver, coupling } = term;
@@ -158,7 +158,7 @@ impl EffectModel {
         }
     }
 
-    /// As JSON text, with formula, units and source of each kind beside the numbers.
+    /// As JSON text, with the formula, units and source of each kind, too.
     pub fn to_json(&self) -> String {
         self.saved().to_json()
     }
@@ -170,7 +170,7 @@ impl SavedEffects {
         Self { statics, effects: Vec::new(), curves: Vec::new(), averaged: None }
     }
 
-    /// The effects, everything that they follow bound to its column.
+    /// The effects, bound to their columns.
     ///
     /// # Errors
     /// Those of `column`, which is asked for each name.
@@ -181,7 +181,7 @@ impl SavedEffects {
         Ok(EffectModel { statics, effects, curves, earlier: None, averaged })
     }
 
-    /// One of the effects, everything that it follows bound to its column.
+    /// One of the effects, bound to its columns.
     ///
     /// # Errors
     /// Those of `column`, which is asked for each name.
@@ -196,14 +196,14 @@ impl SavedEffects {
         Ok(Effect { term, coefficients: effect.coefficients.clone() })
     }
 
-    /// Those that have a part in where the tip is.
+    /// Those that move the tip.
     #[must_use]
     pub fn of_the_tip(&self) -> Self {
         let effects = self.effects.iter().filter(|effect| effect.term.moves_the_tip()).cloned().collect();
         Self { effects, ..self.clone() }
     }
 
-    /// The names of all that they follow, each once.
+    /// The names of all quantities that they depend on, each once.
     pub fn needed(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for name in self.effects.iter().flat_map(|effect| effect.term.driver.columns()) {
@@ -214,12 +214,12 @@ impl SavedEffects {
         names
     }
 
-    /// The names of what an averaged prediction follows, too, but can do without: it is then taken at its average.
+    /// The names of the optional quantities of an averaged prediction: without them it uses their means.
     pub fn may_follow(&self) -> Vec<String> {
         self.averaged.iter().flat_map(|averaged| averaged.follows().cloned()).collect()
     }
 
-    /// As JSON text, with formula, units and source of each kind beside the numbers.
+    /// As JSON text, with the formula, units and source of each kind.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(&self.written()).expect("names are texts and numbers are numbers") + "\n"
     }

@@ -1,4 +1,4 @@
-//! What the data at hand let one ask: which joints move and how far, what was recorded beside them.
+//! Survey of the data: which joints move and how far, and what was recorded.
 
 use crate::arm::Row;
 use crate::effects::approach::still;
@@ -9,31 +9,31 @@ use denavit_measurements::{Column, Covariate, Measurements};
 use denavit_model::Screw;
 use std::f64::consts::PI;
 
-/// Highest order of a periodic error that is looked for without a gear ratio, periods per turn.
+/// Highest order of a periodic error in the search without a gear ratio, periods per turn.
 pub const HIGHEST_ORDER: u32 = 8;
-/// Highest order of a gear whose ratio nobody gave, where there are rows enough.
+/// Highest order of a gear with unknown ratio, if there are enough rows.
 const HIGHEST_ORDER_OF_A_GEAR: f64 = 40.0;
-/// Rows for each period of such an error over the joint's range, at least.
+/// Fewest rows for each period of such an error over the joint's range.
 const ROWS_PER_PERIOD: f64 = 4.0;
-/// Neighbours of the scan among such orders share this part of a period: the order is refined afterwards.
+/// Steps of the scan of such orders per period over the joint's range: the order is refined afterwards.
 const HIGH_ORDERS_PER_PERIOD: f64 = 2.0;
 /// Lowest order, periods per turn.
 const LOWEST_ORDER: f64 = 0.5;
-/// Neighbouring orders of the scan share this part of a period over the joint's range.
+/// Steps of the scan of orders per period over the joint's range.
 const ORDERS_PER_PERIOD: f64 = 3.0;
-/// Standard widths of a bump that are tried, as shares of the joint's range.
+/// Standard widths of a bump to try, as fractions of the joint's range.
 const BUMP_WIDTHS: [f64; 4] = [0.015, 0.03, 0.06, 0.1];
-/// Places of a step that are tried before the best is refined.
+/// Positions of a step to try before the best is refined.
 const STEP_PLACES: usize = 60;
-/// Rows of which the torques are looked at.
+/// Number of rows whose torques are examined.
 const POSTURES: usize = 200;
-/// Shortest and longest lag of warmth that a run shows, as shares of its length: what is shorter is the last moves alone, what is longer no
-/// more than all travel since the first row.
+/// Shortest and longest lag of warmth that a run shows, as fractions of its length: a shorter lag sees the last moves only, a longer one
+/// all travel since the first row.
 const LAGS: [f64; 2] = [0.03, 2.0];
 /// A step needs this many rows on either side.
 const ROWS_BESIDE_STEP: usize = 6;
 
-/// The quantity that drifts are written in.
+/// The quantity that drifts depend on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     /// `time`, or run order.
@@ -49,23 +49,23 @@ pub struct Survey {
     pub statics: Statics,
     /// Whether values are read in an instrument's frame.
     pub instrument: bool,
-    /// Whether the places of targets are read along lines of sight.
+    /// Whether targets are measured along lines of sight.
     pub sight: bool,
-    /// Whether lengths from points that stand still are read.
+    /// Whether lengths from fixed points are measured.
     pub anchor: bool,
-    /// How many rows there are, locating ones left out.
+    /// Number of rows without locating ones.
     pub rows: usize,
     /// Lowest and highest value of each joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
     /// Recorded temperatures.
     pub temperatures: Vec<Column>,
-    /// Recorded inclinations, and how far each scatters about its mean: its unit is the column's own.
+    /// Recorded inclinations, and the standard deviation of each, in the column's own unit.
     pub tilts: Vec<(Column, f64)>,
     /// The velocity of every joint that moves; empty where that of one is not recorded, or where none of them varies.
     pub velocities: Vec<JointVelocity>,
     /// Time or run order; `None` with too few rows.
     pub clock: Option<Clock>,
-    /// Everything recorded that varies.
+    /// Every recorded column that varies.
     pub recorded: Vec<Column>,
     /// Motor turns per joint turn, one per joint where given.
     pub gear_ratios: Vec<Option<f64>>,
@@ -74,7 +74,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Looks at the rows of `data` (locating rows left out).
+    /// Surveys the rows of `data` (locating rows left out).
     pub fn of(statics: &Statics, data: &Measurements, gear_ratios: Vec<Option<f64>>) -> Self {
         let rows: Vec<usize> = (0..data.len()).filter(|&row| !data.locate[row]).collect();
         let range = |joint: &denavit_model::ChainJoint| {
@@ -128,12 +128,12 @@ impl Survey {
         }
     }
 
-    /// What tells how far a joint has wound itself up, for each memory.
+    /// The columns of a joint's wind-up, one for each memory.
     pub fn wound_up(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
         self.told(joint, |told| matches!(told, History::WoundUp { .. }))
     }
 
-    /// What tells how warm its own work has made a joint, for each lag that the run is neither far too short nor far too long to show.
+    /// The columns of a joint's warmth, one for each lag that a run of this length can show.
     pub fn warmth(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
         let clock = self.clock.as_ref();
         let by_time = clock.is_some_and(|clock| clock.column.name() == TIME);
@@ -148,13 +148,13 @@ impl Survey {
         })
     }
 
-    /// The columns of a joint that tell so much of what the order of the rows tells.
+    /// The columns of a joint that are computed from the order of the rows, of the wanted kinds.
     fn told<'a>(&'a self, joint: usize, wanted: impl Fn(History) -> bool + 'a) -> impl Iterator<Item = Column> + 'a {
         let told = History::told(true).filter(move |told| wanted(*told));
         told.filter_map(move |told| self.of_joint(joint, &told.ending()))
     }
 
-    /// These shares of the largest torque of gravity on a joint; none where gravity does not load it.
+    /// These fractions of the largest torque of gravity on a joint; none where gravity does not load it.
     pub fn torques_of(&self, joint: usize, shares: &'static [f64]) -> impl Iterator<Item = f64> + use<> {
         let largest = self.torques[joint];
         shares.iter().map(move |share| share * largest).filter(|torque| *torque > 0.0)
@@ -186,14 +186,14 @@ impl Survey {
         self.recorded.iter().find(|column| column.name() == name).cloned()
     }
 
-    /// Spacing of orders that a scan needs: a share of a period over the joint's range.
+    /// Spacing of orders that a scan needs: a fraction of a period over the joint's range.
     pub fn order_step(&self, joint: usize) -> f64 {
         2.0 * PI / self.span(joint) / ORDERS_PER_PERIOD
     }
 
     /// Orders to try: whole ones up to the highest, and a grid fine enough to find any other between.
     ///
-    /// An order needs half a period over the range that was seen. For a slide orders count periods per 2π m, and
+    /// An order needs half a period over the measured range. For a slide orders count periods per 2π m, and
     /// the highest has four periods over the range.
     pub fn orders(&self, joint: usize) -> Vec<f64> {
         let span = self.span(joint);
@@ -214,7 +214,7 @@ impl Survey {
         orders
     }
 
-    /// Orders above those of [`Survey::orders`], up to what the rows can carry: of wheels inside a gear.
+    /// Orders above those of [`Survey::orders`], as high as the number of rows allows: of wheels inside a gear.
     pub fn high_orders(&self, joint: usize) -> Vec<f64> {
         let per_period = 2.0 * PI / self.span(joint);
         let highest = HIGHEST_ORDER_OF_A_GEAR.min(per_period * self.rows as f64 / ROWS_PER_PERIOD);
@@ -262,14 +262,14 @@ impl Clock {
         [0.03, 0.08, 0.2, 0.5].iter().map(|share| share * self.span()).collect()
     }
 
-    /// Places of a step to try: between rows, evenly over the run.
+    /// Positions of a step to try: between rows, evenly over the run.
     pub fn places(&self) -> Vec<f64> {
         let all = self.all_places();
         let stride = all.len().div_ceil(STEP_PLACES).max(1);
         all.into_iter().step_by(stride).collect()
     }
 
-    /// Every place between two rows that leaves enough of them on either side.
+    /// Every position between two rows with enough rows on either side.
     pub fn all_places(&self) -> Vec<f64> {
         let last = self.sorted.len().saturating_sub(ROWS_BESIDE_STEP);
         (ROWS_BESIDE_STEP..last)
@@ -278,19 +278,19 @@ impl Clock {
             .collect()
     }
 
-    /// Sets of knots for a curve of straight pieces; finer ones where one number per row drifts.
+    /// Sets of knots for a piecewise linear curve; `fine`: also finer ones, where one number per row drifts.
     pub fn pieces(&self, fine: bool) -> Vec<Vec<f64>> {
         let counts: &[usize] = if fine { &[5, 10, 20, 40] } else { &[5] };
         counts.iter().filter(|&&pieces| self.sorted.len() > 8 * pieces).map(|&pieces| self.knots(pieces)).collect()
     }
 
-    /// Knots of so many equal pieces.
+    /// Knots of this number of equal pieces.
     pub fn knots(&self, pieces: usize) -> Vec<f64> {
         (0..=pieces).map(|k| self.first() + self.span() * k as f64 / pieces as f64).collect()
     }
 }
 
-/// Whether a joint that was seen between two values moves.
+/// Whether a joint with this range moves.
 fn moves((low, high): (f64, f64)) -> bool {
     high - low > 1e-6
 }
@@ -326,8 +326,8 @@ fn torques(statics: &Statics, data: &Measurements, rows: &[usize]) -> Vec<f64> {
     largest
 }
 
-/// Adds what the order of the rows tells: run order, and for each joint the side from which it came, how far it has wound itself up and how
-/// warm its own work has made it. Rows of a longer run that have it already keep what that told.
+/// Adds columns that are computed from the order of the rows: run order, and for each joint its side of approach, its wind-up and its
+/// warmth. Rows of a longer run that have these columns keep them.
 pub fn with_run_order(data: Measurements) -> Measurements {
     ordered(data, None)
 }
@@ -358,14 +358,14 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
             let mut then = last_time;
             let mut state = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
             let after = |(row, here): (usize, &f64)| {
-                // A cell that was left empty, as it may be where the joint does not move the tip, reads 0.
+                // A cell may be empty where the joint does not move the tip; it then reads 0.
                 if *here != 0.0 || data.moves_its_tip(row, index) {
                     let moved = last.replace(*here).map(|last| here - last);
                     let now = times.as_ref().map(|times| times[row]);
                     let since = then;
                     then = now.or(then);
                     let seconds = now.zip(since).map(|(now, since)| now - since);
-                    // Nobody knows what came before the first row of all.
+                    // The history before the first row is unknown.
                     if let Some(moved) = moved {
                         state = told.after(Move { moved, still, seconds }, state);
                     }

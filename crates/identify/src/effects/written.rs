@@ -1,4 +1,4 @@
-//! Drivers as a file has them: what they follow is a name, which is bound to a column before anything is computed.
+//! Drivers as in a file: their quantities are names, which are bound to columns before anything is computed.
 
 use crate::effects::driver::{Driver, JointVelocity, VELOCITY};
 use denavit_model::Chain;
@@ -6,15 +6,15 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-/// How a file says that all velocities drive: whose they are the chain tells.
+/// The word in a file for the velocities of all joints of the chain.
 const VELOCITIES: &str = "velocities";
 
-/// A [`Driver`] as a file has it: sides and velocities are not named, the chain tells what they are called.
+/// A [`Driver`] as in a file: sides and velocities are not named, since the chain gives their names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenDriver(Driver<String>);
 
 impl WrittenDriver {
-    /// As it is written.
+    /// The file form.
     pub fn of<C>(driver: &Driver<C>) -> Self
     where
         C: AsRef<str>,
@@ -24,7 +24,7 @@ impl WrittenDriver {
         Self(named)
     }
 
-    /// The driver with the names of all that it follows.
+    /// The driver with the names of its columns.
     pub fn named(self, chain: &Chain) -> Driver<String> {
         let mut driver = self.0;
         if let Some(side) = driver.side_mut() {
@@ -37,12 +37,12 @@ impl WrittenDriver {
         driver
     }
 
-    /// Every joint that it follows.
+    /// Every joint that it depends on.
     pub fn joints(&self) -> Vec<usize> {
         self.0.joints()
     }
 
-    /// What is wrong with its numbers.
+    /// The fault of its numbers.
     pub(super) fn fault(&self) -> Option<String> {
         let good = match &self.0 {
             Driver::Harmonic { order, .. } => order.is_finite(),
@@ -55,8 +55,8 @@ impl WrittenDriver {
             _ => true,
         };
         (!good).then(|| {
-            "a number of its driver cannot be; width, constant and knee are above 0, friction is not below it, steps ascend, knots are two or more \
-             that rise, and ranges have a length"
+            "a number of its driver is out of range; width, constant and knee must be above 0, friction at least 0, steps must ascend, \
+             two or more knots must rise, and ranges must not be empty"
                 .into()
         })
     }

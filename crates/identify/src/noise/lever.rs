@@ -1,35 +1,35 @@
-//! Noise of positions that hangs together with that of orientations: a probe turns about a point of its own, and what is off by its turn is
-//! also off in place, by the lever from that point to the target.
+//! Noise of positions that is correlated with that of orientations: a probe turns about a point of its own, so an orientation error also
+//! causes a position error, by the lever from that point to the target.
 //!
-//! With ω the noise of an orientation and R base_from_target, ω × (R ℓ) is added to that of the position, ℓ constant in the target's axes.
-//! Whether there is a lever is a score test at ℓ = 0, which takes one evaluation: the derivative of a row's covariance by ℓ_k is
+//! With ω the noise of an orientation and R base_from_target, ω × (R ℓ) is added to the noise of the position, ℓ constant in the target's
+//! axes. The lever is tested by a score test at ℓ = 0, which takes one evaluation: the derivative of a row's covariance by ℓ_k is
 //!
 //! ```text
 //! B₀ B_kᵀ + B_k B₀ᵀ = ½ (B₀ + B_k)(B₀ + B_k)ᵀ - ½ (B₀ - B_k)(B₀ - B_k)ᵀ
 //! ```
-//! with B₀ what orientations alone add and B_k what a lever along axis k does: halves of the slopes by two sources that are not there.
-//! Where it is claimed, scoring steps find it.
+//! with B₀ the part of orientations alone and B_k that of a lever along axis k: halves of the slopes by two sources of variance 0.
+//! If the lever is claimed, scoring steps find it.
 
 use super::reml::{Factor, Reml, Slope};
 use denavit_model::nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Scoring steps; each gains some two digits.
+/// Scoring steps, at most; each gains about two digits.
 const STEPS: usize = 6;
-/// A step of this share of the lever's standard deviation is the last.
+/// A step below this fraction of the lever's standard deviation is the last.
 const CONVERGED: f64 = 0.05;
-/// A step is not cut shorter than this share of it.
+/// Smallest fraction to which a step is shortened.
 const LEAST_SHARE: f64 = 0.05;
 
-/// What a lever along each axis of the target does in every row.
+/// Effect of a lever along each axis of the target in every row.
 #[derive(Debug, Clone)]
 pub(super) struct Arms {
     /// The source that is the noise of orientations.
     pub source: usize,
-    /// Length of a lever at which orientations alone make positions as uncertain as they are, m.
+    /// Length of a lever at which the noise of orientations alone would explain that of positions, m.
     pub unit: f64,
-    /// Row by row, axis by axis: columns as those of the source's factor; none for rows without it.
+    /// Row by row, axis by axis: columns like those of the source's factor; `None` for rows without it.
     pub rows: Vec<Option<[Vec<f64>; 3]>>,
 }
 
@@ -40,14 +40,14 @@ pub struct Lever {
     pub value: [f64; 3],
     /// Standard deviations, m.
     pub std: [f64; 3],
-    /// Probability of as much where position and orientation are independent.
+    /// Probability of a correlation at least this strong if position and orientation are independent.
     pub p_value: f64,
 }
 
 impl Arms {
-    /// Probability of what there is of a lever where there is none; 1 where it cannot be asked.
+    /// p-value of the lever, against no lever; 1 if it cannot be tested.
     ///
-    /// `variances`: the likeliest, without it.
+    /// `variances`: the likeliest without a lever.
     pub fn p_value(&self, reml: &Reml, variances: &[f64]) -> f64 {
         if variances[self.source] <= 0.0 {
             return 1.0;
@@ -57,7 +57,7 @@ impl Arms {
     }
 
     /// The likeliest lever at these variances, in its unit, its standard deviation, and the rows with it in the noise of orientations;
-    /// `None` where it cannot be asked.
+    /// `None` if it cannot be estimated.
     pub fn likeliest(&self, reml: &Reml, variances: &[f64], start: Vector3<f64>) -> Option<Found> {
         let mut at = start;
         let mut scored = self.scored(reml, variances, &at)?;
@@ -95,7 +95,7 @@ impl Arms {
         })
     }
 
-    /// Score and information of the lever at one, all that is not zero of the variances free beside it.
+    /// Score and information at a lever, with all nonzero variances free.
     fn scored(&self, reml: &Reml, variances: &[f64], lever: &Vector3<f64>) -> Option<Scored> {
         let sources = variances.len();
         let with = self.with(reml, lever).with_sources(6, |row, factors| {
@@ -129,7 +129,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Whether it is where the one before was.
+    /// Whether it has converged to the one before.
     pub fn same(&self, before: &Self) -> bool {
         (self.at - before.at).component_div(&self.std).amax() < CONVERGED
     }
@@ -141,14 +141,14 @@ struct Scored {
     deviance: f64,
     step: Vector3<f64>,
     std: Vector3<f64>,
-    /// χ² of three degrees of freedom where there is no lever.
+    /// χ² with three degrees of freedom if there is no lever.
     ratio: f64,
 }
 
 impl Scored {
     /// `first`: the first of six sources, two for each axis.
     fn of(slope: &Slope, nuisance: &[usize], first: usize, weight: f64) -> Option<Self> {
-        // Numbers: those variances, then the lever's three.
+        // Numbers: the nuisance variances, then the lever's three.
         let count = nuisance.len();
         let mut numbers = DMatrix::zeros(count + 3, slope.gradient.len());
         for (number, &source) in nuisance.iter().enumerate() {
@@ -165,7 +165,7 @@ impl Scored {
         let whole = &inverse * gradient;
         let step: Vector3<f64> = -whole.fixed_rows::<3>(count).into_owned();
         let variance = block * 2.0;
-        // The rows' own scores may vary more than those of normal ones.
+        // The rows' scores may vary more than those of normal rows.
         let influence = inverse.rows(count, 3) * &numbers * &slope.scores;
         let mean = influence.column_mean();
         let mut spread = Matrix3::zeros();

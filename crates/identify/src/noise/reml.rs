@@ -6,41 +6,41 @@
 //! y = X β + ε      ε of a row ~ N(0, V_i),  V_i = Σ_k t_k B_ik B_ikᵀ      β ~ N(mean, prior⁻¹), flat where the prior is 0
 //! deviance = Σ log|V_i| + log|A| + yᵀ V⁻¹ y - gᵀ A⁻¹ g      A = Xᵀ V⁻¹ X + prior,  g = Xᵀ V⁻¹ y + pull
 //! ```
-//! is -2 times the logarithm of the likelihood, β integrated out: that is what takes the freedom of the geometry into account.
-//! Rows are independent, so V is a small block for each row and nothing of the size of all values is ever formed; a step costs as
+//! is -2 times the logarithm of the likelihood. β is integrated out, which accounts for the degrees of freedom of the geometry.
+//! Rows are independent, so V is a small block for each row and no matrix of the size of all values is formed; a step costs as
 //! much as forming A. The matrix of second derivatives is the average information of Gilmour, Thompson and Cullis, Biometrics 51
-//! (1995), 1440; variances are not below 0 (projected Newton steps, Bertsekas 1982).
+//! (1995), 1440; variances are not negative (projected Newton steps, Bertsekas 1982).
 
 use denavit_linear::products::{TILE, add_gram, gram_of};
 use denavit_linear::threads::in_parallel;
 use denavit_linear::triangle::{Triangle, dot};
 use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// Rows are worked on in parts of about so many values: their columns stay near the processor.
+/// Values in a part, about: rows are processed in parts so that their columns stay in the cache.
 const VALUES_OF_A_PART: usize = 384;
-/// Fewer parts are done before a thread has started.
+/// Fewer parts than this are faster without threads.
 const PARTS_FOR_THREADS: usize = 6;
-/// Steps, at most.
+/// Most steps.
 const MOST_STEPS: usize = 200;
-/// A step that changes the deviance by less than this share of it, and the variances by less than [`SAME_VARIANCE`], is the last.
+/// A step that changes the deviance by less than this fraction of it, and the variances by less than [`SAME_VARIANCE`], is the last.
 const SAME_DEVIANCE: f64 = 1e-10;
-/// Share of a variance, or of the whole noise where the variance is smaller still.
+/// Fraction of a variance; for a variance below this fraction of the whole noise, fraction of this bound.
 const SAME_VARIANCE: f64 = 1e-6;
-/// The smallest variance that a level of a channel may have beside the whole noise: blocks stay invertible.
+/// Smallest variance of a channel's level relative to the whole noise: keeps blocks invertible.
 pub const LEAST_LEVEL: f64 = 1e-9;
-/// Share of the promised gain that a step must bring.
+/// Fraction of the predicted gain that a step must reach.
 const ENOUGH: f64 = 1e-4;
-/// Halvings of a step.
+/// Most halvings of a step.
 const MOST_HALVINGS: usize = 40;
-/// What the deviance is rounded to, relative to the number of values.
+/// Rounding error of the deviance, relative to the number of values.
 const ROUNDING: f64 = 1e-13;
 
-/// What one source adds to the covariance of a row per unit of its variance: B Bᵀ.
+/// Contribution of one source to the covariance of a row per unit of its variance: B Bᵀ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
     /// Index of the source.
     pub source: usize,
-    /// B, column by column, each as long as the row has values.
+    /// B, column by column; a column has one cell per value of the row.
     pub cells: Vec<f64>,
 }
 
@@ -51,9 +51,9 @@ pub struct RowBlock {
     pub residual: Vec<f64>,
     /// X, column by column.
     pub columns: Vec<f64>,
-    /// What each source adds; those that are not named add nothing.
+    /// Contribution of each source; sources not listed contribute nothing.
     pub factors: Vec<Factor>,
-    /// Whether the next row was measured right after this one and has the same values in it.
+    /// Whether the next row was measured right after this one and has the same kinds of values.
     pub has_next: bool,
 }
 
@@ -63,11 +63,11 @@ impl RowBlock {
     }
 }
 
-/// Rows whose columns lie beside each other.
+/// Rows whose columns are stored together.
 #[derive(Debug, Clone)]
 struct Part {
     rows: Vec<RowPlace>,
-    /// X, and after it y, column by column; as many columns as tiles go into.
+    /// X, then y, column by column; padded to a multiple of the tile's width.
     cells: Vec<f64>,
     values: usize,
 }
@@ -80,7 +80,7 @@ struct RowPlace {
     has_next: bool,
 }
 
-/// All rows and what is expected of β.
+/// All rows and the prior of β.
 #[derive(Debug, Clone)]
 pub struct Reml {
     parts: Vec<Part>,
@@ -93,12 +93,12 @@ pub struct Reml {
     least: Vec<f64>,
 }
 
-/// How the variances of all sources follow from fewer numbers: t_k = factor_k · ψ_of_k, or 0.
+/// How the variances of all sources depend on fewer numbers: t_k = factor_k · ψ_of_k, or 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tied {
-    /// For each source the number that it follows and the factor; `None`: it adds nothing.
+    /// For each source the number that it depends on and the factor; `None`: it contributes nothing.
     pub of: Vec<Option<(usize, f64)>>,
-    /// How many numbers.
+    /// Number of numbers.
     pub count: usize,
 }
 
@@ -108,7 +108,7 @@ impl Tied {
         Self { of: (0..sources).map(|k| Some((k, 1.0))).collect(), count: sources }
     }
 
-    /// The same, but a source adds nothing. Its number is left in place, without meaning.
+    /// The same, but the sources of this number contribute nothing. The number keeps its index, without meaning.
     #[must_use]
     pub fn at_zero(&self, number: usize) -> Self {
         let of = self.of.iter().map(|of| of.filter(|(own, _)| *own != number)).collect();
@@ -128,13 +128,13 @@ pub struct Slope {
     pub deviance: f64,
     /// First derivatives by the sources' variances.
     pub gradient: DVector<f64>,
-    /// Average information: what the second derivatives of the deviance are on average, a column per source. The gradient's
-    /// covariance is twice that.
+    /// Average information, the average of the deviance's second derivatives; a column per source. The gradient's covariance is
+    /// twice this.
     pub information: DMatrix<f64>,
-    /// The gradient row by row, a column per row: what is summed over.
+    /// Each row's contribution to the gradient, a column per row.
     pub scores: DMatrix<f64>,
-    /// Sum over neighbours in the run of the products of their whitened residuals, freed of what the fit makes of independent
-    /// ones, and the number of products.
+    /// Sum over neighbours in the run of the products of their whitened residuals, corrected for the correlation that the fit
+    /// causes between independent rows, and the number of products.
     pub lag: (f64, f64),
     /// Sums of squares and of fourth powers of the whitened residuals.
     pub powers: (f64, f64),
@@ -145,7 +145,7 @@ pub struct Slope {
 /// The likeliest variances.
 #[derive(Debug, Clone)]
 pub struct Likeliest {
-    /// The numbers that the sources follow.
+    /// The numbers that the sources depend on.
     pub numbers: Vec<f64>,
     /// The deviance and its slope there.
     pub slope: Slope,
@@ -153,17 +153,17 @@ pub struct Likeliest {
     pub steps: usize,
 }
 
-/// A part with its rows in units of their covariance.
+/// A part with whitened rows.
 struct Whitened {
     /// L⁻¹ [X | y].
     cells: Vec<f64>,
-    /// Lower triangles L of V_i = L Lᵀ, row by row of blocks, each a full square, column by column.
+    /// Lower triangles L of V_i = L Lᵀ, one full square block per row, column by column.
     factors: Vec<f64>,
     log_determinant: f64,
     gram: Vec<f64>,
 }
 
-/// What β is integrated out by.
+/// The factor for integrating out β.
 struct Integrated {
     deviance: f64,
     factor: Triangle,
@@ -184,7 +184,7 @@ impl Integrated {
 /// Sums of a part, or of all.
 struct Sums {
     gradient: DVector<f64>,
-    /// Of the sources, whitened.
+    /// Of the whitened sources.
     gram: DMatrix<f64>,
     along: DMatrix<f64>,
     scores: Vec<f64>,
@@ -195,8 +195,8 @@ struct Sums {
 
 impl Reml {
     /// # Shape and units
-    /// Each row's `columns` has as many columns as `prior` and `pull`; `least`: for each source, 0 or [`LEAST_LEVEL`]. Values in units of
-    /// their noise, so that variances are of the order of 1.
+    /// Each row's `columns` has as many columns as `prior` and `pull`; `least`: for each source, 0 or [`LEAST_LEVEL`]. Values are in units
+    /// of their noise, so that variances are of the order of 1.
     pub fn new(rows: Vec<RowBlock>, prior: DMatrix<f64>, pull: DVector<f64>, least: Vec<f64>) -> Self {
         let columns = pull.len();
         let values = rows.iter().map(RowBlock::height).sum();
@@ -217,7 +217,7 @@ impl Reml {
         Self { parts, columns, sources: least.len(), prior, pull, values, least }
     }
 
-    /// The same rows with other factors, each row's changed in its place.
+    /// The same rows, with each row's factors changed in place.
     pub(super) fn refactored(mut self, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
         for (index, row) in self.parts.iter_mut().flat_map(|part| &mut part.rows).enumerate() {
             change(index, &mut row.factors);
@@ -225,7 +225,7 @@ impl Reml {
         self
     }
 
-    /// The same with `more` sources beside, of which `change` adds the factors.
+    /// The same with `more` additional sources, whose factors `change` adds.
     pub(super) fn with_sources(self, more: usize, change: impl Fn(usize, &mut Vec<Factor>)) -> Self {
         let mut changed = self.refactored(change);
         changed.sources += more;
@@ -238,7 +238,7 @@ impl Reml {
         self.values
     }
 
-    /// The deviance; infinite where a row's covariance has no inverse.
+    /// The deviance; infinite if a row's covariance has no inverse.
     ///
     /// # Shape and units
     /// `variances`: one for each source.
@@ -247,12 +247,12 @@ impl Reml {
         whitened.and_then(|whitened| self.integrated(&whitened)).map_or(f64::INFINITY, |found| found.deviance)
     }
 
-    /// The deviance and its derivatives; `None` where a row's covariance has no inverse.
+    /// The deviance and its derivatives; `None` if a row's covariance has no inverse.
     pub fn slope(&self, variances: &[f64]) -> Option<Slope> {
         self.slope_of(variances, &vec![true; self.sources])
     }
 
-    /// The same, derivatives by the wanted sources alone.
+    /// The same, with derivatives by the wanted sources only.
     fn slope_of(&self, variances: &[f64], wanted: &[bool]) -> Option<Slope> {
         let whitened = self.whitened(variances)?;
         let integrated = self.integrated(&whitened)?;
@@ -290,10 +290,10 @@ impl Reml {
         })
     }
 
-    /// The variances at which the likelihood is largest, none below its least; numbers that are `held` stay as they are given.
+    /// The variances at which the likelihood is largest, none below its lower bound; numbers that are `held` keep their values.
     ///
-    /// `enough`: a step that promises less than this of the deviance is not taken; 0 for all that can be had.
-    /// `None` where the rows' covariances have no inverse at `start`.
+    /// `enough`: stops when a step is predicted to gain less deviance than this; 0 for full convergence.
+    /// `None` if the rows' covariances have no inverse at `start`.
     pub fn likeliest(&self, tied: &Tied, start: &[f64], held: &[usize], enough: f64) -> Option<Likeliest> {
         let least = self.least_of(tied);
         let moved = |k: usize| if held.contains(&k) { start[k] } else { start[k].max(least[k]) };
@@ -303,7 +303,7 @@ impl Reml {
         self.likeliest_from(tied, (&start, slope), held, enough)
     }
 
-    /// As [`likeliest`](Self::likeliest), where the slope at `start` is known, by the sources that follow a number at least.
+    /// As [`likeliest`](Self::likeliest), with the slope at `start` given, at least by the sources that depend on a number.
     pub fn likeliest_from(
         &self,
         tied: &Tied,
@@ -345,7 +345,7 @@ impl Reml {
         Some(Likeliest { numbers, slope, steps })
     }
 
-    /// The least value of each number.
+    /// The lower bound of each number.
     fn least_of(&self, tied: &Tied) -> Vec<f64> {
         let mut least = vec![0.0f64; tied.count];
         for (of, own) in tied.of.iter().zip(&self.least) {
@@ -356,9 +356,9 @@ impl Reml {
         least
     }
 
-    /// The next numbers along a step, and the slope there; `None` where the deviance does not fall any more.
+    /// The next numbers along a step, and the slope there; `None` if the deviance falls no further.
     ///
-    /// `step`: which numbers, by how much each, and what the deviance changes by per unit of it.
+    /// The step: which numbers, the change of each, and the change of the deviance per unit of the step.
     fn along(
         &self,
         tied: &Tied,
@@ -495,7 +495,7 @@ impl Reml {
                 sums.powers = (sums.powers.0 + e * e, sums.powers.1 + e.powi(4));
             }
             if row.has_next && index + 1 < part.rows.len() {
-                // The fit makes residuals of independent rows hang together: their expected product is minus this.
+                // The fit correlates the residuals of independent rows: their expected product is minus this.
                 let next = &left.as_slice()[first + h..first + 2 * h];
                 let mut product: f64 = left_here.iter().zip(next).map(|(a, b)| a * b).sum();
                 for column in 0..columns {
@@ -509,7 +509,7 @@ impl Reml {
     }
 }
 
-/// Adds what the free numbers take up of a row of H values, column by column of both sides: Σ w xᵀ. The size is known beforehand, so that the
+/// Adds what the free numbers use up of a row of H values, column by column of both sides: Σ w xᵀ. H is known at compile time, so that the
 /// sums stay in registers.
 fn add_hat<const H: usize>(w: &[f64], x: &[f64], stride: usize, hat: &mut [f64]) {
     let mut sums = [[0.0; H]; H];
@@ -526,7 +526,7 @@ fn add_hat<const H: usize>(w: &[f64], x: &[f64], stride: usize, hat: &mut [f64])
     }
 }
 
-/// Work on each part, on several cores where there is enough of it.
+/// Work on each part, on several cores if there are enough parts.
 fn each_part<T: Sync, R: Send>(parts: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     if parts.len() < PARTS_FOR_THREADS { parts.iter().map(work).collect() } else { in_parallel(parts, work) }
 }
@@ -593,7 +593,7 @@ fn whiten(part: &Part, variances: &[f64], columns: usize) -> Option<Whitened> {
     Some(Whitened { cells, factors, log_determinant, gram })
 }
 
-/// L of a symmetric matrix whose lower triangle is given column by column, in its place; the logarithm of its determinant.
+/// Replaces a symmetric matrix, given by its lower triangle column by column, by its factor L; returns the logarithm of its determinant.
 fn factor_lower(block: &mut [f64], h: usize) -> Option<f64> {
     let mut log_determinant = 0.0;
     for k in 0..h {
@@ -629,7 +629,7 @@ fn solve_lower(factor: &[f64], h: usize, x: &mut [f64]) {
     }
 }
 
-/// Gradient and information by the numbers that the variances follow.
+/// Gradient and information by the numbers that the variances depend on.
 pub fn of_numbers(tied: &Tied, slope: &Slope) -> (DVector<f64>, DMatrix<f64>) {
     let mut gradient = DVector::zeros(tied.count);
     let mut information = DMatrix::zeros(tied.count, tied.count);
@@ -645,15 +645,15 @@ pub fn of_numbers(tied: &Tied, slope: &Slope) -> (DVector<f64>, DMatrix<f64>) {
     (gradient, information)
 }
 
-/// The step d that makes gᵀ d + ½ dᵀ H d least where no number falls by more than its room: the active sets of Lawson and Hanson
-/// (Solving Least Squares Problems, 1974, chapter 23). Newton steps that are cut off at the bounds one by one need not lead down.
+/// The step d that minimizes gᵀ d + ½ dᵀ H d if no number falls by more than its room: the active sets of Lawson and Hanson
+/// (Solving Least Squares Problems, 1974, chapter 23). Newton steps that are clipped at the bounds one by one need not descend.
 fn bounded_step(gradient: &DVector<f64>, curvature: &DMatrix<f64>, room: &[f64]) -> DVector<f64> {
     let count = room.len();
     let mut step = DVector::<f64>::zeros(count);
     let mut inside: Vec<bool> = (0..count).map(|k| room[k] > 0.0).collect();
     let size = |k: usize| curvature[(k, k)].abs().max(f64::MIN_POSITIVE);
     for _ in 0..4 * count + 4 {
-        // To the least on the numbers inside, or until one of them comes to its bound.
+        // To the minimum over the numbers inside, or until one of them reaches its bound.
         while inside.contains(&true) {
             let own: Vec<usize> = (0..count).filter(|&k| inside[k]).collect();
             let goal = unbounded(gradient, curvature, &own, &step, &inside);
@@ -685,7 +685,7 @@ fn bounded_step(gradient: &DVector<f64>, curvature: &DMatrix<f64>, room: &[f64])
     step
 }
 
-/// The least on some numbers, the others as they are.
+/// The minimum over some numbers, the others fixed.
 fn unbounded(
     gradient: &DVector<f64>,
     curvature: &DMatrix<f64>,
@@ -732,13 +732,13 @@ mod tests {
             for k in 0..count {
                 assert!(step[k] >= -room[k] - 1e-12, "{case}: {step}");
                 let at_bound = step[k] <= -room[k] + 1e-12;
-                // At a bound it would go on, elsewhere it rests.
+                // At a bound it would continue; elsewhere the slope is 0.
                 assert!(if at_bound { slope[k] > -1e-9 } else { slope[k].abs() < 1e-9 }, "{case}: {slope}");
             }
         }
     }
 
-    /// Thirty rows of two and three values with sources that are and are not there.
+    /// Thirty rows of two and three values, with sources that are present and absent.
     fn problem() -> Reml {
         let number = |k: usize| ((k * k * 13 + 7 * k) as f64 * 0.713).sin();
         let columns = 4;

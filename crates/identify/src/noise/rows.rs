@@ -1,4 +1,4 @@
-//! What a fit leaves of each row, with the columns of its free numbers and of every source of noise.
+//! Residuals of each row, with the columns of the free numbers and of every source of noise.
 
 use super::lever::Arms;
 use super::reml::{Factor, LEAST_LEVEL, Reml, RowBlock};
@@ -13,33 +13,33 @@ use denavit_measurements::Measurements;
 use denavit_model::Quantity;
 use denavit_model::nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// Directions of the free numbers that are known less than this share of the best known one are the common frame's.
+/// Directions of the free numbers with less than this fraction of the information of the best determined one belong to the common frame.
 const UNKNOWN: f64 = 1e-11;
-/// Where there are many free numbers, most of them of curves, a direction of which the data tell less than this beside its prior is left
-/// where it is: it uses up less than a tenth of a value, all of them together some thousandth of all values.
+/// With many free numbers, most of them of curves, a direction in which the data's fraction of the information is below this is fixed:
+/// it uses up less than a tenth of a value, all of them together about a thousandth of all values.
 const HARDLY_KNOWN: f64 = 0.1;
-/// So many are many.
+/// More free numbers than this are many.
 const MANY: usize = 80;
-/// The work of one step, as values times the square of the free numbers, at most: beyond it rows are left out.
+/// Largest work of one step, as values times the square of the number of free numbers: beyond it rows are left out.
 const MOST_WORK: usize = 4_000_000;
-/// But no rows are left out of fewer values than this for each free number.
+/// At least this many values per free number are kept.
 const VALUES_PER_NUMBER: usize = 3;
 /// Rows, at most.
 pub const MOST_ROWS: usize = 5000;
-/// Curves are taken as they are where there are so many values for each of their numbers: fitting them has then lowered the noise by half
-/// of that share at most.
+/// With at least this many values per number of the curves, the curves are fixed: fitting them has then lowered the noise by at most half
+/// the inverse of this.
 const VALUES_OF_KNOWN: usize = 50;
-/// Rows instead of curves: so many times the work may go into them, which is still less than the curves would have made.
+/// With fixed curves the rows may take this many times the work, which is still less than the curves would have taken.
 const FOR_ROWS: usize = 4;
 /// A target nearer to the instrument than this share of its usual distance has no direction.
 const NO_DISTANCE: f64 = 1e-3;
 
-/// An error curve of a joint that was fitted beside the geometry, and the prior that holds it.
+/// An error curve of a joint that was fitted together with the geometry, and its prior.
 #[derive(Debug, Clone)]
 pub struct HeldCurve<'a> {
     /// The curve.
     pub curve: &'a Curve,
-    /// Prior variance of the number of each of its waves, rad² or m².
+    /// Prior variance of the number of each wave, rad² or m².
     pub variances: Vec<f64>,
 }
 
@@ -48,28 +48,28 @@ pub struct HeldCurve<'a> {
 pub(super) struct Prepared {
     pub reml: Reml,
     pub sources: Vec<Source>,
-    /// What a lever between orientations and positions does; `None` where there are none, or not in the base's axes.
+    /// Effect of a lever between orientations and positions; `None` without orientations, or if positions have weights in other axes.
     pub arms: Option<Arms>,
     /// Rows used.
     pub rows: usize,
-    /// Rows there are.
+    /// Rows available.
     pub of: usize,
 }
 
-/// One row before the free numbers are brought to a few.
+/// One row before the free numbers are reduced.
 struct Raw {
     residual: Vec<f64>,
     /// Column by column.
     columns: Vec<f64>,
     factors: Vec<Factor>,
-    /// Of its values, which series they are.
+    /// The series of each value.
     series: Vec<usize>,
     row: usize,
-    /// For each observation with an orientation base_from_target, and where its place and its turn begin among the values.
+    /// For each observation with an orientation: base_from_target, and the indices of its first position and first rotation value.
     turned: Vec<(Rotation3<f64>, [usize; 2])>,
 }
 
-/// The rows of a fit; `None` where nothing is left of them, or nothing is known of their noise.
+/// The rows of a fit; `None` if no row is used, or a noise level is unknown.
 pub(super) fn prepared<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_>]) -> Option<Prepared> {
     let kept = |row: usize| data.of_row(row).any(|observation| fit.weights[observation] > 0.0);
     let all: Vec<usize> = (0..data.len()).filter(|&row| kept(row)).collect();
@@ -96,7 +96,7 @@ pub(super) fn prepared<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[
     Some(Prepared { reml, sources, arms, rows, of: all.len() })
 }
 
-/// Of these rows at most so many, spread evenly, in pairs of neighbours so that the order of the run is still seen.
+/// At most `most` of these rows, evenly spaced, in pairs of neighbours to keep information on the order of the run.
 fn spread(rows: &[usize], most: usize) -> Vec<usize> {
     if rows.len() <= most {
         return rows.to_vec();
@@ -148,7 +148,7 @@ fn raw_rows<E: Effects>(
     let mut found = Vec::with_capacity(rows.len());
     for &row in rows {
         problem.row_into(arm, row, &mut scratch, &mut residual, Some(&mut jacobian));
-        // Where each value that is kept stands, its channel and its observation.
+        // The line of each kept value, its channel and its observation.
         let (mut lines, mut line) = (Vec::new(), 0);
         for observation in data.of_row(row) {
             let series = data.series_of(observation);
@@ -230,7 +230,7 @@ fn raw_rows<E: Effects>(
     found
 }
 
-/// What a lever does in every row; `None` where there is no noise of orientations, or where positions are weighed by axes of their own.
+/// Effect of a lever in every row; `None` without noise of orientations, or if positions are weighted along axes of their own.
 fn arms<E: Effects>(rows: &[Raw], fit: &Fit<E>, data: &Measurements, sources: &[Source]) -> Option<Arms> {
     let posed = data.scene.series.iter().find(|series| series.kind.turn().is_some())?;
     let [Some(place), Some(channel)] = posed.channels else { return None };
@@ -259,8 +259,8 @@ fn arms<E: Effects>(rows: &[Raw], fit: &Fit<E>, data: &Measurements, sources: &[
     Some(Arms { source, unit, rows: rows.iter().map(of_row).collect() })
 }
 
-/// For each observation in the instrument's frame the directions of a unit of noise: 1 m along the line of sight, or 1 rad about
-/// the instrument in both directions across it; in the axes of the residual.
+/// For each observation in the instrument's frame the effect of a unit of noise, in the axes of the residual: 1 m along the line of sight,
+/// or 1 rad about the instrument in both directions across it.
 fn beams<E: Effects>(
     problem: &ResidualModel<'_, E>,
     arm: &Arm,
@@ -296,12 +296,12 @@ fn beams<E: Effects>(
     found
 }
 
-/// Brings every source to the size of the noise, so that a variance of 1 would make all of it; the sizes, in the sources' units.
+/// Scales every source so that a variance of 1 would explain all noise; returns the sizes, in the sources' units.
 fn scaled<E>(rows: &mut [Raw], fit: &Fit<E>, sources: &[Source]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); sources.len()];
     for row in rows.iter() {
         for factor in &row.factors {
-            // Values that the source does not touch at all have no part in it.
+            // Values that the source does not affect do not count.
             let h = row.residual.len();
             let touched = (0..h).filter(|k| factor.cells.iter().skip(*k).step_by(h).any(|cell| *cell != 0.0)).count();
             let sum = &mut sums[factor.source];
@@ -323,7 +323,7 @@ fn scaled<E>(rows: &mut [Raw], fit: &Fit<E>, sources: &[Source]) -> Vec<f64> {
     sizes
 }
 
-/// Precision and pull of what is expected of the free numbers, at the fit.
+/// Precision and gradient of the prior of the free numbers, at the fit.
 fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_>]) -> (DMatrix<f64>, DVector<f64>) {
     let layout = &fit.layout;
     let waves: usize = curves.iter().map(|held| held.curve.waves.len()).sum();
@@ -353,7 +353,7 @@ fn held_by<E: Effects>(fit: &Fit<E>, data: &Measurements, curves: &[HeldCurve<'_
     (prior, pull)
 }
 
-/// The rows with the free numbers in directions that are identifiable, each as well as the others.
+/// The rows with the free numbers in identifiable directions, scaled to equal information.
 fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[Source]) -> Option<(Reml, usize)> {
     let count = pull.len();
     let mut information = DMatrix::zeros(count, count);
@@ -371,7 +371,7 @@ fn reduced(raw: Vec<Raw>, prior: DMatrix<f64>, pull: DVector<f64>, sources: &[So
         scale[i] * eigen.eigenvectors[(i, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
     });
     if directions.ncols() > MANY {
-        // In these directions rows and prior together tell 1; what the prior tells of it are these eigenvalues.
+        // In these directions rows and prior together have information 1; the eigenvalues are the prior's fractions.
         let shares = (directions.transpose() * &prior * &directions).symmetric_eigen();
         let by_rows: Vec<usize> =
             (0..shares.eigenvalues.len()).filter(|&k| 1.0 - shares.eigenvalues[k] > HARDLY_KNOWN).collect();

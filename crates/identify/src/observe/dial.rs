@@ -1,8 +1,8 @@
-//! A dial gauge on the tip that stands on a plate: how far its point is above the plate, from a zero that nobody knows.
+//! A dial gauge on the tip that touches a plate: height of its point above the plate, from an unknown zero.
 //!
-//! r = m - (1 + scale) (X p)·z, m, with X the frame of the plate, whose plane z = 0 lies where the gauge reads 0, and p the
-//! gauge's point when it reads 0. Readings of one setup are differences along one direction: that of the plate's normal, which is
-//! found with the rest, as a direction told to a milliradian would be off by a tenth of a millimetre over a hand's breadth.
+//! r = m - (1 + scale) (X p)·z, m, with X the frame of the plate, whose plane z = 0 is where the gauge reads 0, and p the
+//! gauge's point when it reads 0. Readings of one setup are differences along the plate's normal, which is fitted too: a
+//! direction known to a milliradian would cause errors of a tenth of a millimetre over a hand's breadth.
 
 use super::plane::{in_plane, normal, plane_columns, through};
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};

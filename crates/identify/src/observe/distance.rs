@@ -1,4 +1,4 @@
-//! The distance of a target from an anchor that stands still: a draw-wire sensor, a ball-bar.
+//! The distance of a target from a fixed anchor: a draw-wire sensor, a ball-bar.
 //!
 //! r = m - (1 + scale) |p - anchor|, m.
 
@@ -14,7 +14,7 @@ fn from_anchor(seen: &Seen<'_>) -> Vector3<f64> {
     seen.predicted - seen.point() - seen.perturbation.anchor
 }
 
-/// Direction from the anchor, as long as the instrument stretches lengths.
+/// Direction from the anchor, with the instrument's scale as its length.
 fn along(seen: &Seen<'_>) -> Vector3<f64> {
     let from_anchor = from_anchor(seen);
     let distance = from_anchor.norm();

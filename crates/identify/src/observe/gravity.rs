@@ -1,13 +1,13 @@
-//! Where gravity pulls, as a sensor on the tip has it: an accelerometer at rest, or an inclinometer with two axes.
+//! The direction of gravity in a sensor on the tip: an accelerometer at rest, or an inclinometer with two axes.
 //!
-//! With d = (R(T) Rs)⁻¹ g the direction of gravity in the sensor's axes, Rs how the sensor is mounted and g = X⁻¹(-z) gravity in the
-//! base frame, X a frame of which nothing but its z axis is seen:
+//! With d = (R(T) Rs)⁻¹ g the direction of gravity in the sensor's axes, Rs the sensor's mounting and g = X⁻¹(-z) gravity in the
+//! base frame, X a frame of which only the z axis is observable:
 //!
-//! - of an accelerometer r = -(α/sin α) bᵢ·d, rad, with m the direction that was read, b₁ and b₂ across it, and α the angle between m and d;
-//! - of an inclinometer r = mᵢ + asin dᵢ, rad, with mᵢ how far its axis i points above the horizontal.
+//! - for an accelerometer r = -(α/sin α) bᵢ·d, rad, with m the measured direction, b₁ and b₂ across it, and α the angle between m and d;
+//! - for an inclinometer r = mᵢ + asin dᵢ, rad, with mᵢ the angle of its axis i above the horizontal.
 //!
-//! Neither Rs nor g is known, so that a sensor that reads up where another reads down says the same. Where it sits on its link is
-//! not seen at all.
+//! Neither Rs nor g is known, so that a sensor that reads up is as good as one that reads down. The sensor's position on its link is
+//! not observable.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
 use crate::parameters::Layout;
@@ -21,14 +21,14 @@ pub(super) struct Inclination;
 
 /// Angles whose sine is less than this are small, rad.
 const SMALL: f64 = 1e-4;
-/// An axis nearer than this to the vertical no longer follows its own sine: cosine.
+/// Lower bound of 1 - sin² near the vertical, where the slope of the arcsine is infinite.
 const UPRIGHT: f64 = 1e-6;
 /// Base frame from the sensor's axes.
 fn sensor(seen: &Seen<'_>) -> Rotation3<f64> {
     seen.tip.rotation * seen.arm.targets[seen.series.target].rotation
 }
 
-/// Where gravity pulls, base frame.
+/// Direction of gravity, base frame.
 pub(crate) fn down(seen: &Seen<'_>) -> Vector3<f64> {
     -(seen.instrument().rotation.inverse() * Vector3::z())
 }
@@ -38,7 +38,7 @@ fn felt(seen: &Seen<'_>) -> Vector3<f64> {
     sensor(seen).inverse() * down(seen)
 }
 
-/// A residual of two angles, and how it follows the direction of gravity in the sensor's axes.
+/// A residual of two angles, and its derivative by the direction of gravity in the sensor's axes.
 struct Angles {
     residual: Vector2<f64>,
     slopes: [Vector3<f64>; 2],
@@ -49,7 +49,7 @@ impl Angles {
         Discrepancy { place: Vector3::new(self.residual.x, self.residual.y, 0.0), turn: Vector3::zeros() }
     }
 
-    /// A turn ω of the sensor brings d to d + Sᵀ (g × ω).
+    /// A rotation ω of the sensor changes d to d + Sᵀ (g × ω).
     fn follows(&self, seen: &Seen<'_>) -> Follows {
         let (sensor, down) = (sensor(seen), down(seen));
         Follows::Turns(self.slopes.map(|slope| down.cross(&(sensor * slope))))
@@ -66,13 +66,13 @@ impl Angles {
     }
 }
 
-/// Of a direction that was read, length 1.
+/// For a measured direction, length 1.
 fn beside(seen: &Seen<'_>) -> Angles {
     let (read, felt) = (Vector3::new(seen.values[0], seen.values[1], seen.values[2]), felt(seen));
     let first = read.cross(&Vector3::ith(read.iamin(), 1.0)).normalize();
     let across = [first, read.cross(&first)];
     let (sine, cosine) = (read.cross(&felt).norm(), read.dot(&felt));
-    // α/sin α, and how it follows the cosine.
+    // α/sin α, and its derivative by the cosine.
     let (stretch, slope) = if sine < SMALL && cosine > 0.0 {
         (1.0 + sine * sine / 6.0, -1.0 / 3.0)
     } else {
@@ -85,12 +85,12 @@ fn beside(seen: &Seen<'_>) -> Angles {
     Angles { residual: -Vector2::from(parts) * stretch, slopes }
 }
 
-/// How far an axis of the sensor points below the horizontal, rad.
+/// Angle of an axis of the sensor below the horizontal, rad.
 fn below(felt: &Vector3<f64>, axis: usize) -> f64 {
     felt[axis].atan2(felt[(axis + 1) % 3].hypot(felt[(axis + 2) % 3]))
 }
 
-/// Of what two axes point above the horizontal, rad.
+/// For the angles of two axes above the horizontal, rad.
 fn above(seen: &Seen<'_>) -> Angles {
     let felt = felt(seen);
     let residual = Vector2::from_fn(|k, _| seen.values[k] + below(&felt, k));

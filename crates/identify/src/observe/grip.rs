@@ -1,7 +1,7 @@
-//! A tool that two tips of a robot hold together: where one of them has it is where the other has it.
+//! A tool that two tips of a robot hold together: both tips must give the same tool pose.
 //!
-//! A [pose](super::pose) that every row sees from both tips in a frame of its own, the tool's, where it reads nothing but that frame
-//! itself: r = X⁻¹ - T t, with X the tool's frame in that row and t how the tip holds it. The joint readings are the measurement.
+//! A [pose](super::pose) that every row measures from both tips in its own frame, the tool's, and whose measured value is always the
+//! identity: r = X⁻¹ - T t, with X the tool's frame in that row and t the grip of the tip. The joint readings are the measurement.
 
 use super::pose::Pose;
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};

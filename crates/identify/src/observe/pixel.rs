@@ -1,13 +1,13 @@
 //! The pixel of a board's corner in the image of a camera.
 //!
-//! r = (m - u) D/f, m, right and down in the image: m the pixel that was read, u the one that is predicted, f the focal
-//! length in pixels, and D the board's usual distance, so that an error in pixels is a length there; D and f are constants,
-//! and all pixels weigh the same. u is the lens's picture of the corner b, in the camera at
+//! r = (m - u) D/f, m, right and down in the image: m the measured pixel, u the predicted one, f the focal
+//! length in pixels, and D the board's typical distance, so that an error in pixels is a length there; D and f are constants,
+//! and all pixels have the same weight. u is the image of the corner b by the lens, in the camera at
 //!
-//! - X T t b, the camera standing still at X = instrument_from_base, the board at t on the tip;
-//! - (T t)⁻¹ X⁻¹ b, the camera at t on the tip, the board standing still: the "instrument" X is the board.
+//! - X T t b, the camera fixed at X = instrument_from_base, the board at t on the tip;
+//! - (T t)⁻¹ X⁻¹ b, the camera at t on the tip, the board fixed: the "instrument" X is the board.
 //!
-//! Either way the tip's motion moves the corner against the camera as if the corner sat on the tip: forward, or back.
+//! In both cases the tip's motion moves the corner relative to the camera as if the corner were on the tip: forward, or back.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
 use crate::parameters::{Layout, Sensitivity};
@@ -17,23 +17,23 @@ use denavit_model::nalgebra::{Matrix3, Point3, Vector2, Vector3};
 #[derive(Debug)]
 pub(super) struct Pixel;
 
-/// Steeper than this a board is not recognised: cosine between its normal and the line of sight.
+/// A board is recognised above this cosine between its normal and the line of sight.
 const LEAST_SLANT: f64 = 0.25;
 /// A corner nearer to the image's edge than this is not recognised, px.
 const EDGE: f64 = 4.0;
 /// Simulated pixels are written to this many parts.
 const PARTS: f64 = 1e4;
 
-/// A corner as the camera has it.
+/// A corner as seen by the camera.
 struct View<'a> {
     camera: &'a Camera,
     /// In the base frame, m.
     point: Vector3<f64>,
     /// In the camera's frame, m.
     in_camera: Vector3<f64>,
-    /// Camera's axes from those of the base; turned round where the camera moves.
+    /// Rotation from base to camera; inverted where the camera moves.
     moves: Matrix3<f64>,
-    /// The board's normal, away from who reads it, camera's frame.
+    /// The board's normal, away from the viewer, camera's frame.
     normal: Vector3<f64>,
 }
 
@@ -73,7 +73,7 @@ impl Observe for Pixel {
     fn discrepancy(&self, seen: &Seen<'_>) -> Discrepancy {
         let (read, turn) = (Vector2::new(seen.values[0], seen.values[1]), Vector3::zeros());
         let Some(pixel) = predicted(seen) else {
-            // Behind the camera: as far off as an image is not wide.
+            // Behind the camera: farther off than any image is wide.
             return Discrepancy { place: Vector3::new(10.0, 10.0, 0.0) * seen.series.range(), turn };
         };
         let left = (read - pixel) * metres_per_pixel(seen);
@@ -100,7 +100,7 @@ impl Observe for Pixel {
     fn own_columns(&self, seen: &Seen<'_>, layout: &Layout, _left: &Matrix3<f64>, rows: &mut Rows<'_>) {
         let Follows::Lines { point, lines } = self.follows(seen) else { return };
         let target = &seen.arm.targets[seen.series.target];
-        // From the origin of what sits on the tip, tip frame.
+        // From the origin of the camera or board on the tip, tip frame.
         let on_tip = target.translation.vector + seen.perturbation.target;
         let arm = (seen.tip.inverse() * Point3::from(point)).coords - on_tip;
         for (row, line) in lines.iter().enumerate() {
@@ -121,7 +121,7 @@ impl Observe for Pixel {
 
     fn disturb(&self, values: &mut [f64], errors: &mut Disturbance<'_>) {
         for (value, gross) in values.iter_mut().zip(errors.gross.iter()) {
-            // A pixel off for each millimetre.
+            // One pixel of error for each millimetre.
             let read = *value + gross * 1e3 + (errors.draw)(errors.pixel);
             *value = if errors.pixel > 0.0 { (read * PARTS).round() / PARTS } else { read };
         }
@@ -131,7 +131,7 @@ impl Observe for Pixel {
         let (Some(view), Some(pixel)) = (view(seen), predicted(seen)) else { return false };
         let [width, height] = view.camera.lens.size.unwrap_or([f64::INFINITY; 2]);
         let inside = |value: f64, size: f64| value > EDGE && value < size - EDGE;
-        // A lens that folds its picture shows there what is not there.
+        // The distortion may fold the image: then the pixel does not belong to this point.
         let straight = view.camera.lens.direction(&pixel).is_some_and(|direction| {
             let there = Vector2::new(view.in_camera.x, view.in_camera.y) / view.in_camera.z;
             (direction - there).norm() < 1e-6 || seen.perturbation.scale != 0.0

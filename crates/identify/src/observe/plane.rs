@@ -1,7 +1,7 @@
-//! A ball on the tip that touches a plane: a plate, a table, a wall of which nothing is known but that it is flat.
+//! A ball on the tip that touches a plane: a plate, a table, a wall, of which only the flatness is known.
 //!
-//! r = -(X p)·z, m, with X the frame of the plane, whose plane z = 0 it is, and p the middle of the ball. Nothing is read: the
-//! joint readings are the measurement. The ball's radius is part of where the plane is found.
+//! r = -(X p)·z, m, with X the frame of the plane z = 0, and p the centre of the ball. No value is read: the
+//! joint readings are the measurement. The ball's radius is part of the plane's estimated position.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
 use crate::parameters::{Layout, Sensitivity};
@@ -21,18 +21,18 @@ pub(super) fn normal(seen: &Seen<'_>) -> Vector3<f64> {
     seen.instrument().rotation.inverse() * Vector3::z()
 }
 
-/// Columns of the plane where heights above it are `stretched` by this: turns about its x and y, shift along its z.
+/// Columns of the plane with heights scaled by `stretched`: rotations about its x and y, shift along its z.
 pub(super) fn plane_columns(seen: &Seen<'_>, layout: &Layout, stretched: f64, rows: &mut Rows<'_>) {
     let Some(column) = layout.planes[seen.series.setup] else { return };
     let there = in_plane(seen);
     rows.put(0, column, &[-there.y * stretched, there.x * stretched, -stretched]);
 }
 
-/// Steps of Gauss and Newton from where places spread least to where their heights are as read.
+/// Gauss-Newton steps from the direction of least spread to the least squares of the heights.
 const STEPS: usize = 20;
 
-/// The plane above which these places (m, base frame) are as high as read, m, by least squares: from the direction in which they
-/// spread least, either way round.
+/// The least squares plane for these positions (m, base frame) and heights above it, m: from the direction of least spread, with
+/// either sign.
 pub(super) fn through(places: &[Vector3<f64>], heights: &[f64]) -> Option<Pose> {
     let count = places.len() as f64;
     if places.is_empty() {

@@ -1,6 +1,6 @@
-//! Place and orientation of a target in the instrument's frame.
+//! Position and orientation of a target in the instrument's frame.
 //!
-//! The place as a [position](super::position); of the orientation r = log(Rx⁻¹ Rm (R(T) Rt)⁻¹), rad, base frame. Stored as
+//! The position as in [position](super::position); the orientation's r = log(Rx⁻¹ Rm (R(T) Rt)⁻¹), rad, base frame. Stored as
 //! x, y, z and the rotation matrix column by column.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen, position};

@@ -1,7 +1,7 @@
-//! The place of a target in the instrument's frame.
+//! The position of a target in the instrument's frame.
 //!
-//! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m what is read, p the target. The instrument stands at the origin of
-//! the frame in which it reads, so m/|m| is its line of sight.
+//! r = X⁻¹ m - p in the base frame, with X = instrument_from_base, m the measured position, p the target. The instrument is at the origin
+//! of its frame, so m/|m| is its line of sight.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
 use crate::arm::AlongSight;
@@ -15,35 +15,35 @@ fn read(seen: &Seen<'_>) -> Vector3<f64> {
     Vector3::new(seen.values[0], seen.values[1], seen.values[2])
 }
 
-/// What was read, in the base frame.
+/// The measured position, in the base frame.
 pub(super) fn in_base(seen: &Seen<'_>) -> Vector3<f64> {
     let instrument = seen.instrument();
     let read = read(seen) / (1.0 + seen.perturbation.scale) - instrument.translation.vector;
     instrument.rotation.inverse() * read - beyond(seen, &seen.perturbation.sight)
 }
 
-/// What is read too far along the line of sight, base frame.
+/// Excess of the range along the line of sight, base frame.
 fn beyond(seen: &Seen<'_>, sight: &AlongSight) -> Vector3<f64> {
     sight.beyond(&read(seen), seen.instrument(), seen.tip)
 }
 
-/// What the instrument does: a longer scale, and more along its line of sight.
+/// Effects of the instrument: its scale, and errors along its line of sight.
 pub(super) fn by_instrument(seen: &Seen<'_>, effect: &Sensitivity) -> Vector3<f64> {
     let scale = effect.scale / (1.0 + seen.perturbation.scale).powi(2);
     -(seen.instrument().rotation.inverse() * read(seen) * scale) - beyond(seen, &effect.sight)
 }
 
-/// Columns of the instrument in the rows of the place.
+/// Columns of the instrument in the rows of the position.
 pub(super) fn instrument_columns(seen: &Seen<'_>, layout: &Layout, rows: &mut Rows<'_>) {
     let Some(column) = layout.instruments[seen.series.setup] else { return };
-    // In the instrument's own axes the residual is m - X p: it follows X where the target is predicted.
+    // In the instrument's own axes the residual is m - X p: its derivative by X is at the predicted target.
     let [x, y, z]: [f64; 3] = if seen.weighed { seen.predicted } else { in_base(seen) }.into();
     rows.put(0, column, &[0.0, -z, y, -1.0, 0.0, 0.0]);
     rows.put(1, column, &[z, 0.0, -x, 0.0, -1.0, 0.0]);
     rows.put(2, column, &[-y, x, 0.0, 0.0, 0.0, -1.0]);
 }
 
-/// What a perfect instrument reads.
+/// The reading of a perfect instrument.
 pub(super) fn predict(seen: &Seen<'_>, values: &mut Vec<f64>) {
     let instrument = seen.instrument();
     let there = instrument.rotation * seen.predicted + instrument.translation.vector;

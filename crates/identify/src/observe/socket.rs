@@ -1,6 +1,6 @@
-//! A ball on the tip that sits in a socket: the same point in all rows of a label, wherever that is.
+//! A ball on the tip in a socket: the same unknown point in all rows of a label.
 //!
-//! r = s - p, m, base frame, with s the socket and p the ball. Nothing is read: the joint readings are the measurement.
+//! r = s - p, m, base frame, with s the socket and p the ball. No value is read: the joint readings are the measurement.
 
 use super::{Discrepancy, Disturbance, Follows, Observe, Rows, Seen};
 use crate::parameters::Layout;

@@ -1,4 +1,4 @@
-//! What is recorded beside a simulated run: time, temperatures, payloads, inclinations, sides of approach, velocities.
+//! Recorded columns of a simulated run: time, temperatures, payloads, inclinations, sides of approach, velocities.
 
 use crate::effects::driver::{APPROACH, VELOCITY};
 use denavit_measurements::Covariate;
@@ -9,11 +9,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use thiserror::Error;
 
-/// A word that names no column.
+/// A word that is not a column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "\"{0}\" is no column that a run has; write of time, temperature, payload, tilt_x, tilt_y, approach, velocity, or JOINT.approach, \
-     JOINT.velocity, JOINT.temperature"
+    "\"{0}\" cannot be simulated as a column; write some of time, temperature, payload, tilt_x, tilt_y, approach, velocity, \
+     JOINT.approach, JOINT.velocity, JOINT.temperature"
 )]
 pub struct NoColumn(pub String);
 
@@ -21,17 +21,17 @@ pub struct NoColumn(pub String);
 const SECONDS_PER_ROW: f64 = 15.0;
 /// A cold room, °C.
 const COLD: f64 = 20.0;
-/// How much warmer it gets, °C.
+/// Rise of the temperature, °C.
 const WARMER: f64 = 8.0;
-/// How long that takes, s.
+/// Time constant of that, s.
 const WARMING: f64 = 1800.0;
-/// Payloads that are hung on, kg.
+/// Attached payloads, kg.
 const PAYLOADS: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
 /// Standard deviation of an inclination, rad: a base on soft ground.
 const TILT: f64 = 5e-4;
-/// Fastest a joint goes by, rad/s.
+/// Highest speed of a joint, rad/s.
 const FASTEST: f64 = 0.5;
-/// Fastest a slide goes by, m/s.
+/// Highest speed of a slide, m/s.
 const FASTEST_SLIDE: f64 = 0.1;
 
 /// The columns of these names for `rows` rows of a run of which `first_row` were measured before.
@@ -63,7 +63,7 @@ pub fn columns(
         }
     }
     let made = unique.into_iter().enumerate().map(|(index, name)| {
-        // A stream of its own, so that one column more changes no other.
+        // A separate stream, so that an additional column changes no other.
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(index as u64 + 1);
         let values = values(&name, chain, rows, first_row, &mut random).ok_or_else(|| NoColumn(name.clone()))?;

@@ -10,18 +10,18 @@ use rand_chacha::ChaCha8Rng;
 
 /// Planes of a simulated run.
 pub const PLANES: usize = 3;
-/// Postures to choose from for each that is wanted: not every one comes to its plane within the joint limits.
+/// Candidate postures per required one: not every one reaches its plane within the joint limits.
 pub const TRIES: usize = 20;
 /// Travel of a dial gauge to either side, m.
 const TRAVEL: f64 = 5e-3;
 /// Newton's steps to a plane.
 const STEPS: usize = 30;
-/// Nearer than this is on the plane, m.
+/// Tolerance of a point on the plane, m.
 const ON_PLANE: f64 = 1e-12;
 /// Step of the derivatives, rad or m.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Planes of a kind that is held by its target.
+/// Planes for a kind of contact.
 pub(super) fn scene(options: &SimulationOptions) -> Scene {
     let (kind, mut scene) = (options.kind, Scene::default());
     for plane in 1..=PLANES {
@@ -30,7 +30,7 @@ pub(super) fn scene(options: &SimulationOptions) -> Scene {
     scene
 }
 
-/// Puts planes where the arm reaches them: each goes through where the target is in some posture, turned any way.
+/// Places planes within reach: each contains the target in some posture, with a random orientation.
 pub(super) fn within_reach(arm: &mut Arm, random: &mut ChaCha8Rng) {
     let coordinates = arm.nominal.coordinates().to_vec();
     for plane in 0..arm.instruments.len() {
@@ -44,9 +44,9 @@ pub(super) fn within_reach(arm: &mut Arm, random: &mut ChaCha8Rng) {
     }
 }
 
-/// Postures near these in which the target is at its plane, a plane for each in turn: no more than `rows`.
+/// Postures near these in which the target touches its plane, with planes in turn: at most `rows`.
 ///
-/// A contact is off by the noise, as nothing is read; a gauge reads somewhere on its travel.
+/// The noise displaces a contact, since no value is read; a gauge reads somewhere on its travel.
 pub(super) fn touching(
     arm: &Arm,
     options: &SimulationOptions,

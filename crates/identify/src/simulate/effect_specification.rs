@@ -17,16 +17,16 @@ use rand_distr::StandardNormal;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// How strong an effect is to be.
+/// Required strength of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Strength {
-    /// What it moves the measured values by, root mean square over the rows, m (see [`specified_effects`]).
+    /// Root mean square motion of the measured values over the rows, m (see [`specified_effects`]).
     Moves(f64),
-    /// Its coefficient, SI; several of one unit: the length of their vector.
+    /// Its coefficient, SI; for several of one unit the norm of their vector.
     Coefficient(f64),
 }
 
-/// An effect that is asked for.
+/// A requested effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectSpecification {
     /// As written.
@@ -61,7 +61,7 @@ impl FromStr for EffectSpecification {
         let (kind, place) = what.split_once('@').ok_or_else(form)?;
         let kind = Kind::named(kind.trim()).ok_or_else(|| {
             let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
-            wrong(format!("\"{kind}\" is no kind of effect; there are {}", names.join(", ")))
+            wrong(format!("\"{kind}\" is not a kind of effect; there are {}", names.join(", ")))
         })?;
         let (place, settings) = place.split_once(':').unwrap_or((place, ""));
         let settings = settings.split(',').filter(|word| !word.trim().is_empty()).map(|word| {
@@ -81,7 +81,7 @@ impl FromStr for EffectSpecification {
         };
         let strength = parsed.ok_or_else(|| {
             wrong(format!(
-                "\"{strength}\" is no strength; write what the effect moves the measured values by, such as 0.3mm, or \
+                "\"{strength}\" is not a strength; write how far the effect moves the measured values, such as 0.3mm, or \
                  its coefficient in SI units"
             ))
         })?;
@@ -94,7 +94,7 @@ impl EffectSpecification {
         EffectSpecificationError { specification: self.text.clone(), why }
     }
 
-    /// The term that the specification means on these data: the catalogue's first one of this kind at this place, its open
+    /// The term of the specification on these data: the catalogue's first of this kind at this place, with its open
     /// numbers set.
     fn term(&self, survey: &Survey) -> Result<Term, EffectSpecificationError> {
         let chain = &survey.statics.chain;
@@ -114,7 +114,7 @@ impl EffectSpecification {
                 Kind::Latency => "velocity",
                 _ => "time",
             };
-            return Err(self.wrong(format!("{name} follows a recorded quantity; add ‹columns› {column}")));
+            return Err(self.wrong(format!("{name} depends on a recorded quantity; add ‹columns› {column}")));
         }
         let here = all.into_iter().filter(|candidate| candidate.term.carrier.place(chain) == self.place);
         let mut terms = here.map(|candidate| candidate.term);
@@ -159,7 +159,8 @@ impl EffectSpecification {
                 }
                 ("with", Driver::Reading(_)) if self.kind == Kind::JointCoupling => {
                     let joint = chain.joints().iter().position(|joint| joint.name == *value);
-                    let joint = joint.ok_or_else(|| self.wrong(format!("with is \"{value}\", which is no joint")))?;
+                    let joint =
+                        joint.ok_or_else(|| self.wrong(format!("with is \"{value}\", which is not a joint")))?;
                     term.driver = Driver::Reading(joint);
                 }
                 _ => {
@@ -173,7 +174,7 @@ impl EffectSpecification {
                         Driver::Reading(_) if self.kind == Kind::JointCoupling => "with",
                         _ => "nothing",
                     };
-                    return Err(self.wrong(format!("\"{key}\" cannot be set here; {name} lets one set {known}")));
+                    return Err(self.wrong(format!("\"{key}\" cannot be set here; {name} accepts {known}")));
                 }
             }
         }
@@ -189,7 +190,7 @@ impl EffectSpecification {
         Ok(term)
     }
 
-    /// What tells how warm a joint's own work has made it with this lag.
+    /// The column of a joint's warmth with this lag.
     fn warmth(&self, survey: &Survey, term: &Term, wanted: f64) -> Result<Column, EffectSpecificationError> {
         let lag = |column: &Column| match History::of_column(column.name()) {
             Some((_, History::Warmth { lag, .. })) => Some((lag, column.clone())),
@@ -201,18 +202,15 @@ impl EffectSpecification {
         let own = known.iter().find(|(lag, _)| *lag == wanted).map(|(_, column)| column.clone());
         own.ok_or_else(|| {
             let lags: Vec<String> = known.iter().map(|(lag, _)| lag.to_string()).collect();
-            self.wrong(format!(
-                "over is {wanted}; what a joint's own work warms lags by one of {} here",
-                lags.join(", ")
-            ))
+            self.wrong(format!("over is {wanted}; a joint's own warmth can lag by one of {} here", lags.join(", ")))
         })
     }
 }
 
 /// The model of several specified effects for a run that was simulated without effects: strengths are those on its rows.
 ///
-/// The run must have the columns that the effects follow. An effect that follows a temperature, say, moves the values from
-/// where they are at its mean: the rest sits in instrument and target. Where a kind has several numbers (a phase, a direction) they are
+/// The run must have the columns that the effects depend on. An effect of a temperature, say, counts relative to the mean
+/// temperature: instrument and target absorb the rest. Where a kind has several numbers (a phase, a direction) they are
 /// drawn by the seed.
 ///
 /// # Errors
@@ -240,8 +238,9 @@ pub fn specified_effects(
                 for _ in 0..2 {
                     let moved = moves(&run.arm, statics, &effect, &data);
                     if moved == 0.0 || !moved.is_finite() {
-                        return Err(specification
-                            .wrong("the effect moves nothing that is measured; choose another place".into()));
+                        return Err(
+                            specification.wrong("the effect moves no measured value; choose another place".into())
+                        );
                     }
                     scale(&mut effect, wanted / moved);
                 }
@@ -258,7 +257,7 @@ fn scale(effect: &mut Effect, factor: f64) {
     }
 }
 
-/// Coefficients of length 1 in a drawn direction; a single one is positive.
+/// Coefficients with norm 1 in a random direction; a single one is positive.
 fn direction(
     specification: &EffectSpecification,
     term: &Term,
@@ -270,15 +269,15 @@ fn direction(
         return Ok(vec![1.0; count]);
     }
     if let Driver::HardeningTorque { .. } = term.driver {
-        // All that gives levels off.
+        // The whole compliance saturates.
         return Ok(vec![0.0, 1.0]);
     }
     let units: Vec<&str> = (0..count).map(|index| term.coefficient_name(statics, index).1).collect();
     if matches!(specification.strength, Strength::Coefficient(_)) && units.iter().any(|unit| *unit != units[0]) {
-        let why = "it has coefficients in rad and in m; say what it moves the measured values by, such as 0.3mm";
+        let why = "it has coefficients in rad and in m; write how far it moves the measured values, such as 0.3mm";
         return Err(specification.wrong(why.into()));
     }
-    // Turns act over the arm's size: about as much as shifts.
+    // Rotations act over the arm's size: about as much as shifts.
     let size = if units.contains(&"rad") && units.contains(&"m") { statics.chain.size() } else { 1.0 };
     let drawn =
         units.iter().map(|unit| random.sample::<f64, _>(StandardNormal) * if *unit == "m" { size } else { 1.0 });
@@ -287,8 +286,8 @@ fn direction(
     Ok(drawn.iter().map(|value| value / length).collect())
 }
 
-/// Root mean square by which an effect moves the measured values, m; one that follows a temperature or the like: by which
-/// it moves them from where they are at the quantity's mean.
+/// Root mean square motion of the measured values by an effect, m; for an effect of a temperature or the like relative to the
+/// quantity's mean.
 fn moves(arm: &Arm, statics: &Statics, effect: &Effect, data: &Measurements) -> f64 {
     let model = EffectModel::new(statics.clone(), vec![effect.clone()]);
     let with = residuals(arm, &model, data);
@@ -337,7 +336,7 @@ mod tests {
                         assert!((moved - 3e-4).abs() < 3e-6, "{} on {}: {moved}", entry.name, chain.name());
                         assert_eq!(model, specified_effects(&[specification], &statics, &run, 7).unwrap());
                     }
-                    Err(error) => assert!(error.to_string().contains("moves nothing that is measured"), "{error}"),
+                    Err(error) => assert!(error.to_string().contains("moves no measured value"), "{error}"),
                 }
             }
         }
@@ -366,7 +365,7 @@ mod tests {
         let refused =
             |text: &str| specified_effects(&[text.parse().unwrap()], &statics, &run, 0).unwrap_err().to_string();
         assert!(refused(&format!("backlash@{second}:friction=0=1e-4")).ends_with("friction must be above 0"));
-        assert!(refused(&format!("backlash@{second}:knee=1=1e-4")).contains("lets one set friction"));
+        assert!(refused(&format!("backlash@{second}:knee=1=1e-4")).contains("accepts friction"));
         let effect = of(&format!("local_joint_error@{second}:at=0.4,width=0.1=1e-4"));
         assert_eq!(effect.term.driver, Driver::Bump { joint: 1, at: 0.4, width: 0.1, shape: BumpShape::Bell });
     }

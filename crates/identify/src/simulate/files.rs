@@ -1,4 +1,4 @@
-//! Simulated measurement files: rows to fit, rows of the same robot measured later, and what they were made of.
+//! Simulated measurement files: rows to fit, rows of the same robot measured later, and the truth.
 
 use super::columns::{NoColumn, columns};
 use super::effect_specification::{EffectSpecification, EffectSpecificationError, specified_effects};
@@ -16,21 +16,21 @@ use denavit_measurements::{Measurements, MissingColumn, word_of_two_tips, write}
 use denavit_model::Chain;
 use thiserror::Error;
 
-/// The test is drawn from a seed of its own.
+/// The test has its own seed.
 const TEST_SEED: u64 = 0x7465_7374;
 
-/// What files are asked for.
+/// The requested files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilesAsked {
-    /// Robot, instrument and noise; what is recorded beside is in `columns`.
+    /// Robot, instrument and noise; recorded columns are in `columns`.
     pub options: SimulationOptions,
-    /// Effects by name, place and strength, beside those of `effects`.
+    /// Effects by name, place and strength, in addition to those of `effects`.
     pub specifications: Vec<EffectSpecification>,
-    /// Names of what is recorded: time, temperature, payload, …
+    /// Names of recorded columns: time, temperature, payload, …
     pub columns: Vec<String>,
-    /// Rows of the test, if one is asked for.
+    /// Rows of the test, if there is one.
     pub test_rows: Option<usize>,
-    /// Whether to say what they were made of; for a chain of many joints that takes long.
+    /// Whether to write the truth; for a chain of many joints that takes long.
     pub truth: bool,
 }
 
@@ -41,7 +41,7 @@ pub struct Files {
     pub data: String,
     /// Rows of the same robot, measured after the others, CSV.
     pub test: Option<String>,
-    /// What they were made of, JSON, where it was asked for.
+    /// The truth, JSON, if requested.
     pub truth: Option<String>,
 }
 
@@ -49,62 +49,62 @@ pub struct Files {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FilesError {
-    /// A word that names no column.
+    /// An unknown column.
     #[error(transparent)]
     Column(#[from] NoColumn),
-    /// An effect that cannot be had.
+    /// An invalid effect.
     #[error(transparent)]
     Effect(#[from] EffectSpecificationError),
-    /// Several targets of what has one.
-    #[error("only positions are of several targets at once")]
+    /// Several targets for a kind with one.
+    #[error("only positions can have several targets")]
     Targets(usize),
     /// A camera that does not see its board often enough.
     #[error(
-        "the camera sees its board in {found} of {wanted} rows only; take a smaller board, a wider lens or fewer rows"
+        "the camera sees its board in only {found} of {wanted} rows; choose a smaller board, a wider lens or fewer rows"
     )]
     OutOfSight {
         /// Rows that see it.
         found: usize,
-        /// Rows asked for.
+        /// Rows requested.
         wanted: usize,
     },
-    /// Effects where nothing is read.
-    #[error("effects are not simulated with {0}; take a dial gauge, whose readings show them")]
+    /// Effects with a kind that has no readings.
+    #[error("effects are not simulated with {0}; simulate a dial gauge, whose readings show them")]
     EffectsInContact(&'static str),
-    /// What two tips do, of a robot with another number of tips.
-    #[error("{0} are of two tips of one robot; name both (‹tip› LINK ‹tip› LINK)")]
+    /// A kind for two tips, of a robot with another number of tips.
+    #[error("{0} need two tips of one robot; name both (‹tip› LINK ‹tip› LINK)")]
     NotTwoTips(&'static str),
-    /// Columns that no simulated row of two tips has.
+    /// Columns with a kind for two tips.
     #[error("no other columns are simulated with {0}")]
     ColumnsOfTwoTips(&'static str),
     /// Tips that do not reach each other.
-    #[error("the tips come together in {found} of {wanted} rows only; ask for fewer, or try another seed")]
+    #[error("the tips meet in only {found} of {wanted} rows; simulate fewer, or try another seed")]
     TipsOutOfReach {
         /// Rows in which they do.
         found: usize,
-        /// Rows asked for.
+        /// Rows requested.
         wanted: usize,
     },
-    /// What is measured with one tip alone.
-    #[error("{0} are simulated at one tip; simulate one tip at a time, or measure poses, positions or distances")]
+    /// A kind for one tip.
+    #[error("{0} are simulated at one tip only; simulate one tip at a time, or measure poses, positions or distances")]
     KindOfSeveralTips(&'static str),
-    /// Postures that do not come to their planes.
-    #[error("the arm comes to its planes in {found} of {wanted} rows only; ask for fewer, or try another seed")]
+    /// Postures that do not reach their planes.
+    #[error("the arm reaches its planes in only {found} of {wanted} rows; simulate fewer, or try another seed")]
     OutOfReach {
         /// Rows that touch one.
         found: usize,
-        /// Rows asked for.
+        /// Rows requested.
         wanted: usize,
     },
-    /// An effect follows what is not recorded in every row.
+    /// An effect depends on a quantity that some rows lack.
     #[error(transparent)]
     Missing(#[from] MissingColumn),
-    /// An effect follows what is not recorded.
-    #[error("{kind} follows \"{column}\"; record it with ‹columns› \"{column}\"")]
+    /// An effect depends on a quantity that is not recorded.
+    #[error("{kind} depends on \"{column}\"; record it with ‹columns› \"{column}\"")]
     NotRecorded {
         /// Of the effect.
         kind: &'static str,
-        /// What it follows.
+        /// The quantity.
         column: String,
     },
 }
@@ -112,7 +112,7 @@ pub enum FilesError {
 /// Simulate a run and write its files.
 ///
 /// # Errors
-/// A column or effect that cannot be had, several targets of what has one.
+/// An invalid column or effect, or several targets for a kind with one.
 pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &FilesAsked) -> Result<Files, FilesError> {
     let mut options = asked.options.clone();
     if options.targets > 1 && !options.kind.of_several() {
@@ -139,7 +139,7 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
             }
         }
     }
-    // What is drawn does not depend on the effects: the strengths asked for are those on the very rows that are written.
+    // Random draws do not depend on the effects: the strengths are those on the written rows.
     let bare = simulate(chain, &options, &NoEffects);
     let recorded = with_run_order(bare.data.clone());
     let mut model = effects.bound(&|name| recorded.column(name))?;

@@ -1,4 +1,4 @@
-//! Postures of a simulated arm in which something is where it is wanted.
+//! Postures of a simulated arm in which a target is at a required place.
 
 use denavit_model::Chain;
 use denavit_model::nalgebra::{DMatrix, SVector};
@@ -7,12 +7,12 @@ use denavit_model::nalgebra::{DMatrix, SVector};
 const STEPS: usize = 60;
 /// Step of the derivatives, rad or m.
 const DIFFERENCE: f64 = 1e-6;
-/// No step moves a joint by more, rad or m.
+/// Largest step of a joint, rad or m.
 const MOST: f64 = 0.3;
-/// What is nearer than this is there, m and rad.
+/// Tolerance of the solution, m and rad.
 const THERE: f64 = 1e-12;
 
-/// The posture near `q`, within the limits, in which what is `off` (m, rad) is nothing; `None` where there is none.
+/// The posture near `q`, within the limits, in which `off` (m, rad) is 0; `None` where there is none.
 pub fn brought_to<const N: usize>(
     chain: &Chain,
     off: impl Fn(&[f64]) -> SVector<f64, N>,

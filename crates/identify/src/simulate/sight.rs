@@ -1,4 +1,4 @@
-//! A camera and a board that see each other: where they stand in a simulated cell, and the postures in which they do.
+//! A camera and a board: their poses in a simulated cell, and the postures in which the camera sees the board.
 
 use super::{drawn, normal_vector};
 use crate::arm::{Arm, Perturbation, RowState};
@@ -9,20 +9,20 @@ use denavit_model::nalgebra::{Rotation3, Vector3};
 use denavit_model::se3;
 use rand_chacha::ChaCha8Rng;
 
-/// Postures to choose from for each that is wanted: an arm's camera looks elsewhere most of the time.
+/// Candidate postures per required one: an arm's camera looks elsewhere most of the time.
 pub const TRIES: usize = 400;
-/// Places that are tried for what stands still.
+/// Number of poses to try for the fixed part.
 const PLACES: usize = 40;
-/// Postures by which a place is judged.
+/// Postures to evaluate a pose.
 const POSTURES: usize = 400;
-/// Share of the image's width that the board fills where it is in the middle.
+/// Fraction of the image's width that the board fills in the middle of the image.
 const FILLED: f64 = 0.3;
-/// From the tip, m.
+/// Distance from the tip, m.
 const FROM_TIP: f64 = 0.05;
-/// How far from straight the board is seen where it is in the middle, rad.
+/// Obliquity of the board in the middle of the image, rad.
 const TILT: f64 = 0.2;
 
-/// Puts camera and board where the most postures see the board's middle.
+/// Places camera and board so that the most postures see the board's middle.
 pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, random: &mut ChaCha8Rng) {
     let Some(board) = sight.board else { return };
     let (across, down) = (board.columns as f64 * board.square, board.rows as f64 * board.square);
@@ -31,7 +31,7 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
     for target in &mut arm.targets {
         target.translation.vector = normal_vector(random, FROM_TIP);
     }
-    // The outermost corners tell how much of the board is in view.
+    // The outermost corners show how much of the board is in view.
     let (last, row) = (board.corners() - 1, board.columns - 2);
     let corners = [0, row, last - row, last].map(|number| scene.series[number].clone());
     let mut outermost = scene.clone();
@@ -59,7 +59,7 @@ pub(super) fn face_each_other(arm: &mut Arm, scene: &Scene, sight: &Sight, rando
     }
 }
 
-/// The first postures, this many at most, in which at least half of the corners are seen; all of them where there are not more.
+/// The first postures in which at least half of the corners are visible, at most this many; all of them where there are not more.
 pub(super) fn that_see_enough(arm: &Arm, scene: &Scene, postures: Vec<Vec<f64>>, wanted: usize) -> Vec<Vec<f64>> {
     if postures.len() <= wanted {
         return postures;
@@ -67,7 +67,7 @@ pub(super) fn that_see_enough(arm: &Arm, scene: &Scene, postures: Vec<Vec<f64>>,
     postures.into_iter().filter(|q| share_in_view(arm, scene, q) >= 0.5).take(wanted).collect()
 }
 
-/// Share of the corners that are seen.
+/// Fraction of visible corners.
 fn share_in_view(arm: &Arm, scene: &Scene, q: &[f64]) -> f64 {
     let (mut state, still) = (RowState::default(), Perturbation::none(arm.joints.len()));
     arm.state_into(q, 0, None, &mut state);

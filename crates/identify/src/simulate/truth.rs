@@ -1,4 +1,4 @@
-//! What a simulated file was made of, as JSON: to evaluate what a calibration found.
+//! The truth of a simulated file, as JSON: to evaluate a calibration.
 
 use crate::effects::model::EffectModel;
 use crate::parameters::{Freedom, Layout, Tolerances};
@@ -18,7 +18,7 @@ fn pose(pose: &Pose) -> Value {
     json!({"xyz": xyz, "quaternion_xyzw": xyzw})
 }
 
-/// Standard deviations of what the noise is made of: m and rad; absent sources are left out.
+/// Standard deviations of the sources of noise, m and rad; absent sources are left out.
 fn noise(options: &SimulationOptions) -> Value {
     let mut noise = json!({"position_m": options.noise_position, "orientation_rad": options.noise_orientation});
     for (name, size) in [("range_m", options.noise_range), ("angle_rad", options.noise_angle)] {
@@ -55,7 +55,7 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
     if options.kind.of_a_board() {
         truth["noise"] = json!({"pixel_px": options.noise_pixel});
     }
-    // Where two tips touch each other is another place in each row.
+    // The contact point of two tips differs in each row.
     let points = if word_of_two_tips(options.kind).is_some() { &[] } else { &arm.points[..] };
     for (point, name) in points.iter().zip(&run.data.scene.points) {
         let place: [f64; 3] = (*point).into();
@@ -66,7 +66,7 @@ pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectMo
     }
     truth["tip_from_targets"] = arm.targets.iter().map(pose).collect();
     if arm.tips.several() {
-        // Which tip each of these sits on.
+        // The tip of each target.
         truth["tips"] = arm.sits_on.iter().map(|tip| json!(arm.tips[*tip].name)).collect();
     }
     truth["gross_errors"] = run.outliers.iter().map(|row| json!(row + 1)).collect();

@@ -1,4 +1,4 @@
-//! Two tips of a simulated arm that touch each other or hold one tool: the joint readings are all that is measured.
+//! Two tips of a simulated arm that touch each other or hold one tool: only the joint readings are measured.
 
 use super::postures::brought_to;
 use super::{SimulationOptions, commanded_readings, draw_arm, gross_error, normal, normal_vector, true_target};
@@ -10,33 +10,33 @@ use denavit_model::{Chain, Pose, se3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Postures to choose from for each that is wanted: from most the hands do not reach each other within the joint limits.
+/// Candidate postures per required one: from most the hands do not reach each other within the joint limits.
 pub const TRIES: usize = 60;
-/// Postures that hold a tool are looked for within this share of the way from one that does to any other: from farther away few come to it.
+/// Postures that hold a tool are searched within this fraction of the way from a known one to any other: farther away few converge.
 const NEAR: f64 = 0.4;
-/// Postures of which that with the tips nearest together shows how the tool is held.
+/// Number of postures, of which the one with the nearest tips defines the grip.
 const LOOKED_AT: usize = 200;
 
 /// A simulated run of two tips.
 #[derive(Debug, Clone)]
 pub struct TwoTips {
-    /// The true arm; of a tool the frame is that of the first tip.
+    /// The true arm; a tool's frame is that of the first tip.
     pub arm: Arm,
     /// Joint readings row by row, in the chain's coordinate order, rad or m.
     pub readings: Vec<Vec<f64>>,
     /// Rows with a gross error.
     pub outliers: Vec<usize>,
-    /// Where a tool is held: joint readings that hold it.
+    /// For a tool: joint readings that hold it.
     pub holding: Option<Vec<f64>>,
 }
 
-/// Whether this is of two tips at once: they touch each other, or hold a tool.
+/// Whether two tips touch each other, or hold a tool.
 pub(super) fn is_of(options: &SimulationOptions) -> bool {
     options.tips.as_ref().is_some_and(|tips| tips.several()) && word_of_two_tips(options.kind).is_some()
 }
 
-/// Draws a true arm near the nominal one, and brings its two tips together: no more often than asked for, less often where they reach each
-/// other from too few of the readings.
+/// Draws a true arm near the nominal one, and brings its two tips together: in as many rows as requested, or fewer where the tips
+/// meet from too few of the readings.
 pub fn simulate(chain: &Chain, options: &SimulationOptions) -> TwoTips {
     let mut random = ChaCha8Rng::seed_from_u64(options.seed);
     let mut arm = draw_arm(chain, options, &mut random);
@@ -45,14 +45,14 @@ pub fn simulate(chain: &Chain, options: &SimulationOptions) -> TwoTips {
 }
 
 impl TwoTips {
-    /// The same robot again, with a seed of its own.
+    /// The same robot again, with its own seed.
     #[must_use]
     pub fn again(&self, options: &SimulationOptions) -> Self {
         bring(self.arm.clone(), self.holding.clone(), options, &mut ChaCha8Rng::seed_from_u64(options.seed))
     }
 }
 
-/// Gives the tips a tool to hold: as they are in a posture, which is returned, of many that with the tips nearest together.
+/// Defines the grip of a tool by the posture with the nearest tips, of many; returns that posture.
 fn with_a_tool(arm: &mut Arm, seed: u64) -> Vec<f64> {
     arm.targets.fill(Pose::identity());
     let away = |q: &Vec<f64>| between(arm, q).translation.vector.norm();
@@ -62,17 +62,17 @@ fn with_a_tool(arm: &mut Arm, seed: u64) -> Vec<f64> {
     nearest
 }
 
-/// Where the second tip has what is at the first, in the frame of that.
+/// Pose of the second tip's target in the first tip's target frame.
 fn between(arm: &Arm, q: &[f64]) -> Pose {
     true_target(arm, q, 0).inverse() * true_target(arm, q, 1)
 }
 
-/// From what is at the second tip to what is at the first one, m, base frame.
+/// Vector from the second tip's target to the first one's, m, base frame.
 pub fn touch(arm: &Arm, q: &[f64]) -> Vector3<f64> {
     true_target(arm, q, 0).translation.vector - true_target(arm, q, 1).translation.vector
 }
 
-/// How far apart the tips have the tool: place (m) and turn (rad), in the tool's frame as the first one has it.
+/// Difference of the tool's pose by the two tips: position (m) and rotation (rad), in the tool's frame by the first tip.
 pub fn apart(arm: &Arm, q: &[f64]) -> SVector<f64, 6> {
     let off = between(arm, q);
     let (place, turn) = (off.translation.vector, se3::rotation_vector(&off.rotation));
@@ -108,7 +108,7 @@ fn bring(arm: Arm, holding: Option<Vec<f64>>, options: &SimulationOptions, rando
     TwoTips { arm, readings, outliers, holding }
 }
 
-/// The rows as a file has them, with `comments` on top: the column `word` (`contact`, `grip`) holds the same label in each.
+/// The rows as a file, with `comments` on top: the column `word` (`contact`, `grip`) holds the same label in each row.
 pub fn write(run: &TwoTips, word: &str, label: &str, comments: &[String]) -> String {
     let comments = comments.iter().flat_map(|comment| ["# ", comment.as_str(), "\n"]).collect::<String>();
     let names = run.arm.nominal.coordinates().iter().map(|coordinate| coordinate.name.as_str());

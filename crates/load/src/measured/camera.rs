@@ -4,7 +4,7 @@ use super::MeasuredError;
 use denavit_measurements::board::{Board, Sight};
 use denavit_measurements::lens::Lens;
 
-/// What is said of a camera: its file of intrinsics and the text of it, the board in words (`7x5:30mm`), and whether it
+/// A camera from its file of intrinsics (name and text), the board in words (`7x5:30mm`), and whether the camera
 /// sits on the hand.
 ///
 /// # Errors

@@ -1,13 +1,13 @@
-//! A known distance as it is written.
+//! Reads a known distance.
 
 use super::MeasuredError;
 use denavit_model::Quantity;
 use denavit_model::units::Unit;
 
-/// How sure a known distance is when nothing is said, m.
+/// Default standard deviation of a known distance, m.
 const USUAL_DEVIATION: f64 = 5e-5;
 
-/// Two labels, how far apart they are and how sure that is, m.
+/// Two labels, their distance and its standard deviation, m.
 pub struct Known {
     /// Of sockets or anchors.
     pub labels: [String; 2],

@@ -12,7 +12,7 @@ use std::path::Path;
 /// Bytes of a large file that are read at a time.
 const PART: usize = 1 << 20;
 
-/// Seconds since 1970 to be taken for now, so that two runs make the same bytes.
+/// Environment variable with the time to use as now, s since 1970, so that two runs give the same bytes.
 ///
 /// # Source
 /// <https://reproducible-builds.org/specs/source-date-epoch/>.
@@ -70,7 +70,7 @@ impl<'a> Hashing<'a> {
         Self { file, input: file.content.open(), hash: Sha256::new() }
     }
 
-    /// The hash of all, of what nobody asked for too.
+    /// The hash of the whole content, including what was not read.
     ///
     /// # Errors
     /// The rest cannot be read.

@@ -92,7 +92,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         of_sockets.push(input.finish()?);
     }
     let Some(mut data) = Measurements::joined(parts) else {
-        return Err(MeasuredError::Option("there is nothing to fit; name a file by ‹data› or ‹socket›".into()));
+        return Err(MeasuredError::Option("there is nothing to fit; name a file with ‹data› or ‹socket›".into()));
     };
     let mut left_out_of_files = Vec::new();
     if of_files > 1 {
@@ -101,7 +101,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
             let left_out: Vec<&str> = columns.iter().filter(|name| !kept.contains(name)).map(String::as_str).collect();
             if !left_out.is_empty() {
                 let columns = left_out.join(", ");
-                left_out_of_files.push(format!("{file}: left out, for not every file has them: {columns}"));
+                left_out_of_files.push(format!("{file}: left out, as not every file has them: {columns}"));
             }
         }
     }
@@ -122,7 +122,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(
-            "‹hold-out-setups›: no row is of a setup \"{name}\"; name setups, or what stands before the / of a socket"
+            "‹hold-out-setups›: no row is of a setup \"{name}\"; name setups, or the part before the / of a socket's label"
         ))
     })?;
     if train.is_empty() {
@@ -159,7 +159,7 @@ fn know(word: &str, data: &mut Measurements, test: Option<&mut Measurements>) ->
     }
     let labels: Vec<&str> = data.scene.points.iter().map(|name| label_of(name)).collect();
     Err(MeasuredError::Option(format!(
-        "‹distance› \"{word}\": no two sockets or anchors are called so; there are {}",
+        "‹distance› \"{word}\": no two sockets or anchors have these labels; there are {}",
         if labels.is_empty() { "none".into() } else { labels.join(", ") }
     )))
 }

@@ -1,4 +1,4 @@
-//! What a calibration fits and looks for.
+//! Options of a calibration: what it fits and searches for.
 
 use super::{DataFile, MeasuredError};
 use crate::Loaded;
@@ -46,7 +46,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
         && earlier.parameters.iter().any(|known| of_zeros(known) == asked.zeros.is_empty())
     {
         let (has, fix) = if asked.zeros.is_empty() {
-            ("zeros alone", "say ‹zeros› again, or leave ‹prior› out")
+            ("zeros alone", "give ‹zeros› again, or leave ‹prior› out")
         } else {
             ("axes", "leave ‹zeros› or ‹prior› out")
         };
@@ -81,7 +81,7 @@ pub fn search(asked: &SearchAsked, chain: &Chain) -> Result<CalibrateOptions, Me
     if let (None, Some((option, _))) = (&trace, of_effects.iter().find(|(_, given)| *given)) {
         let without = if asked.zeros.is_empty() { "‹effects› none or curves" } else { "‹zeros›" };
         return Err(MeasuredError::Option(format!(
-            "{option}: no effects are searched with {without}; leave {option} out"
+            "{option}: there is no search for effects with {without}; leave {option} out"
         )));
     }
     let trace = trace.map(|kinds| TraceOptions {
@@ -130,7 +130,7 @@ fn mark(option: &str, words: &[String], chain: &Chain, flags: &mut [bool]) -> Re
         let joint = joints.iter().position(|joint| joint.name == *word).ok_or_else(|| {
             let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
             MeasuredError::Option(format!(
-                "{option}: the chain has no joint \"{word}\"; write all, or of {}",
+                "{option}: the chain has no joint \"{word}\"; write all, or some of {}",
                 names.join(", ")
             ))
         })?;
@@ -164,7 +164,7 @@ fn kind(word: &str) -> Result<Kind, MeasuredError> {
     Kind::named(word).ok_or_else(|| {
         let names: Vec<&str> = KINDS.iter().map(|entry| entry.name).collect();
         MeasuredError::Option(format!(
-            "‹effects›: \"{word}\" is no kind of effect; write none, curves, auto, or of {}",
+            "‹effects›: \"{word}\" is not a kind of effect; write none, curves, auto, or some of {}",
             names.join(", ")
         ))
     })

@@ -1,4 +1,4 @@
-//! Effects and where the tip is: what they follow is bound to what is known, and which have no part in it.
+//! Effects on the pose of the tip: binds the quantities that they follow to known values, and lists effects that do not move the tip.
 
 use super::MeasuredError;
 use denavit_identify::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, WARMTH, WOUND_UP};
@@ -6,7 +6,7 @@ use denavit_identify::effects::{EffectModel, SavedEffects, recorded};
 use denavit_measurements::covariates::PAYLOAD;
 use denavit_measurements::{Covariate, Covariates};
 
-/// Whether everything is known that the effects with a part in where the tip is follow; `known` says so of a name.
+/// Checks that every quantity is known which an effect on the tip follows; `known` tells so for a name.
 ///
 /// # Errors
 /// An effect follows what nobody gives.
@@ -58,13 +58,12 @@ pub fn without_part_in_the_tip(file: &str, effects: &SavedEffects) -> Vec<String
     let without = effects.effects.iter().filter(|effect| !effect.term.moves_the_tip());
     let sentence = |effect: &denavit_identify::effects::Effect<_>| {
         let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(chain));
-        format!("{file}: {kind} at {place} changes what is measured, not where the tip is; left out")
+        format!("{file}: {kind} at {place} changes the measurement, not the pose of the tip; left out")
     };
     without.map(sentence).collect()
 }
 
-/// What an averaged prediction follows, a run's file records and nobody gives: it is taken at its average over the fitted rows, which is
-/// said.
+/// A note on quantities that an averaged prediction follows and that are not given: their averages over the fitted rows are used.
 pub fn taken_at_averages(file: &str, effects: &SavedEffects, given: &[(String, f64)]) -> Option<String> {
     let of_rows = |name: &String| {
         name == RUN_ORDER || [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word))
@@ -76,7 +75,7 @@ pub fn taken_at_averages(file: &str, effects: &SavedEffects, given: &[(String, f
     let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{file}: the prediction takes the average of the fitted rows for {}; ‹given› states a value",
+            "{file}: the prediction uses the average of the fitted rows for {}; set a value with ‹given›",
             names.join(", ")
         )
     })

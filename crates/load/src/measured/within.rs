@@ -28,14 +28,14 @@ pub fn corners(written: &[f64]) -> Result<Option<[Point3<f64>; 2]>, MeasuredErro
         [] => return Ok(None),
         [x0, x1, y0, y1, z0, z1] => [x0, x1, y0, y1, z0, z1],
         _ => {
-            let message = format!("‹box›: {} numbers where X0,X1,Y0,Y1,Z0,Z1 are six", written.len());
+            let message = format!("‹box›: {} numbers; write six, X0,X1,Y0,Y1,Z0,Z1", written.len());
             return Err(MeasuredError::Option(message));
         }
     };
     for (axis, low, high) in [("X", x0, x1), ("Y", y0, y1), ("Z", z0, z1)] {
         let ordered = low < high;
         if !ordered {
-            let message = format!("‹box›: {axis}0 = {low} is not below {axis}1 = {high}; nothing fits between");
+            let message = format!("‹box›: {axis}0 = {low} is not below {axis}1 = {high}; the box is empty");
             return Err(MeasuredError::Option(message));
         }
         if !low.is_finite() || !high.is_finite() {

@@ -77,7 +77,7 @@ impl<'a> Work<'a> {
             let words = element.nodes.iter().flat_map(|node| node.attributes.iter().map(|(_, value)| value.as_str()));
             if let Some(name) = words.into_iter().find(|word| gone.contains(word)) {
                 let place = source.source.place(element.at, element.label());
-                let why = format!("names \"{name}\", which is no longer there; take it out, or name another");
+                let why = format!("names \"{name}\", which no longer exists; remove it, or name another");
                 self.lost.push(Loss { place, what: format!("<{}>", element.tag()), why });
             }
         }
@@ -208,12 +208,13 @@ impl<'a> Work<'a> {
         let several = was.kind.word() != own.kind.word() && was.kind != is.kind
             || self.source.link_index(&new_parent).is_none() && link(self.before, &new_parent).is_some();
         if several && (was.kind != is.kind || was.origin != is.origin || was.axis != is.axis) {
-            let why = format!("is \"{}\" of the URDF, which is written otherwise; change it there", own.name);
+            let why = format!("is \"{}\" of the URDF, which is written in another way; change it there", own.name);
             self.lose(is.at, element(), "its edit", why);
             return;
         }
         if was.name != is.name {
-            let why = format!("the URDF's is still \"{}\": `denavit edit` renames it with all that names it", own.name);
+            let why =
+                format!("the URDF's is still \"{}\": `denavit edit` renames it and every reference to it", own.name);
             self.lose(is.at, element(), "its new name", why);
         }
         if was.kind != is.kind {

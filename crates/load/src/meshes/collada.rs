@@ -21,9 +21,11 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
     let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
     let root = document.root_element();
     let unit = match element(root, "asset").and_then(|asset| element(asset, "unit")?.attribute("meter")) {
-        Some(written) => {
-            written.parse::<f64>().ok().filter(|unit| unit.is_finite() && *unit > 0.0).ok_or("its unit is no number")?
-        }
+        Some(written) => written
+            .parse::<f64>()
+            .ok()
+            .filter(|unit| unit.is_finite() && *unit > 0.0)
+            .ok_or("its unit is not a number")?,
         None => 1.0,
     };
     let ids = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
@@ -63,13 +65,17 @@ fn element<'a, 'input>(node: Node<'a, 'input>, tag: &'static str) -> Option<Node
 
 fn numbers(node: Node) -> Result<Vec<f64>, String> {
     let words = node.descendants().filter(Node::is_text).filter_map(|text| text.text()).flat_map(str::split_whitespace);
-    let wrong = || format!("<{}> holds what is no number", node.tag_name().name());
+    let wrong = || format!("<{}> holds something that is not a number", node.tag_name().name());
     words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(wrong)).collect()
 }
 
 fn indices(node: Node) -> Result<Vec<usize>, String> {
     let words = node.text().unwrap_or_default().split_whitespace();
-    words.map(|word| word.parse().map_err(|_| format!("<{}> holds what is no index", node.tag_name().name()))).collect()
+    words
+        .map(|word| {
+            word.parse().map_err(|_| format!("<{}> holds something that is not an index", node.tag_name().name()))
+        })
+        .collect()
 }
 
 impl<'a, 'input> Scene<'a, 'input> {
@@ -79,7 +85,7 @@ impl<'a, 'input> Scene<'a, 'input> {
 
     fn node(&mut self, node: Node<'a, 'input>, above: Matrix4<f64>, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
-            return Err("its nodes lead in a circle".into());
+            return Err("its nodes form a loop".into());
         }
         let mut here = above;
         for part in node.children().filter(Node::is_element) {
@@ -150,7 +156,7 @@ impl<'a, 'input> Scene<'a, 'input> {
                         let mut rest = &list[..];
                         for count in &counts {
                             let (own, after) =
-                                rest.split_at_checked(*count).ok_or("a <vcount> asks for more than there is")?;
+                                rest.split_at_checked(*count).ok_or("a <vcount> needs more indices than there are")?;
                             polygons.push(own.to_vec());
                             rest = after;
                         }
@@ -169,7 +175,7 @@ impl<'a, 'input> Scene<'a, 'input> {
             for polygon in polygons {
                 for index in 1..polygon.len().saturating_sub(1) {
                     let corner = |index: usize| {
-                        points.get(polygon[index]).copied().ok_or("a face names a corner that is not there")
+                        points.get(polygon[index]).copied().ok_or("a face names a corner that does not exist")
                     };
                     self.found.push([corner(0)?, corner(index)?, corner(index + 1)?]);
                 }
@@ -182,10 +188,10 @@ impl<'a, 'input> Scene<'a, 'input> {
     }
 
     fn points(&self, input: Node, pose: &Matrix4<f64>) -> Result<Vec<Vector3<f64>>, String> {
-        let vertices = self.named(input.attribute("source")).ok_or("the corners of its faces are not there")?;
+        let vertices = self.named(input.attribute("source")).ok_or("the corners of its faces are missing")?;
         let position = elements(vertices, "input").find(|input| input.attribute("semantic") == Some("POSITION"));
         let source =
-            position.and_then(|input| self.named(input.attribute("source"))).ok_or("its points are not there")?;
+            position.and_then(|input| self.named(input.attribute("source"))).ok_or("its points are missing")?;
         let array = element(source, "float_array").ok_or("its points have no numbers")?;
         let accessor = element(source, "technique_common").and_then(|common| element(common, "accessor"));
         let number =

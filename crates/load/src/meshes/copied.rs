@@ -94,7 +94,7 @@ impl Copies {
             let shown = path.display();
             let target = within(place.parent().unwrap_or(Path::new("")), &name);
             let Some(target) = target else {
-                self.left.push(format!("{shown} names {name}, which leads out of the folder; it is not copied"));
+                self.left.push(format!("{shown} names {name}, which is outside the folder; it is not copied"));
                 continue;
             };
             match content_of(&folder.join(&name), most, &BESIDE) {

@@ -1,4 +1,4 @@
-//! Quick fixes: what the rules can fix without doubt.
+//! Quick fixes: the certain fixes of the rules.
 
 use crate::analysis::Problem;
 use crate::diagnostics::diagnostic;
@@ -8,7 +8,7 @@ use denavit_compare::lint::rule;
 use gen_lsp_types::{CodeAction, CodeActionKind, Range, TextEdit, WorkspaceEdit};
 use std::path::Path;
 
-/// The fixes of what is wrong in a range, and one for everything that can be fixed in the file.
+/// The fixes of problems in a range, and one fix for all of them in the file.
 pub(crate) fn actions(session: &Session, path: &Path, range: Range, only: Option<&[String]>) -> Vec<CodeAction> {
     let Some(text) = session.files.text(path) else { return Vec::new() };
     let bytes = text.bytes(range);
@@ -61,7 +61,7 @@ pub(crate) fn actions(session: &Session, path: &Path, range: Range, only: Option
         let all: Vec<&Problem> = problems.iter().collect();
         found.push(CodeAction {
             kind: Some(CodeActionKind::SourceFixAll),
-            title: format!("Fix all {} that can be fixed without doubt", all.len()),
+            title: format!("Apply all {} safe fixes", all.len()),
             edit: Some(edit(&all)),
             ..CodeAction::default()
         });

@@ -1,4 +1,4 @@
-//! What an editor can have done: a table, a comparison with the last commit.
+//! Commands for an editor: a table, a comparison with the last commit.
 
 use crate::session::Session;
 use denavit_compare::report::{self, Report};
@@ -11,13 +11,13 @@ use std::rc::Rc;
 
 /// The Denavit-Hartenberg table, as text.
 pub(crate) const TABLE: &str = "denavit.server.table";
-/// What differs from the last commit, as text.
+/// The differences from the last commit, as text.
 pub(crate) const COMPARE: &str = "denavit.server.compareWithHead";
 /// Every command.
 pub(crate) const NAMES: [&str; 2] = [TABLE, COMPARE];
 
 pub(crate) fn run(session: &Session, command: &str, path: Option<&Path>) -> Result<String, String> {
-    let path = path.ok_or("name the file: its address is the command's first argument")?;
+    let path = path.ok_or("name the file: its URI is the command's first argument")?;
     let shown = path.display().to_string();
     match command {
         TABLE => {
@@ -33,7 +33,7 @@ pub(crate) fn run(session: &Session, command: &str, path: Option<&Path>) -> Resu
             let text = report::format("markdown").ok_or("no markdown format")?;
             Ok((text.render)(&report))
         }
-        _ => Err(format!("{command} is no command")),
+        _ => Err(format!("{command} is not a command")),
     }
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn run(session: &Session, command: &str, path: Option<&Path>) -> Resu
 pub(crate) fn robot_of(session: &Session, path: &Path) -> Result<Robot, String> {
     let robots = session.robots_of(path);
     let found = robots.iter().find_map(|analysis| analysis.robot.clone());
-    found.ok_or_else(|| format!("{}: no robot could be read; the problems say why", path.display()))
+    found.ok_or_else(|| format!("{}: no robot could be read; see its problems", path.display()))
 }
 
 /// The table of a chain: to a link, or the longest one.
@@ -64,7 +64,7 @@ pub(crate) fn sheet<'a>(made: &'a Made, source: &'a str) -> Sheet<'a> {
     }
 }
 
-/// How the robot of a file differs from that of the last commit.
+/// The differences of a file's robot from that of the last commit.
 pub(crate) fn with_head(session: &Session, path: &Path) -> Result<(Comparison, PathBuf), String> {
     let robots = session.robots_of(path);
     let analysis = robots.first().map(Rc::clone).ok_or("there is no robot to compare")?;

@@ -1,4 +1,4 @@
-//! What may stand at the cursor: elements, attributes, names, words and files.
+//! Completion at the cursor: elements, attributes, names, words and files.
 
 use crate::analysis::Analysis;
 use crate::features::definition::{evaluated, packages};
@@ -14,17 +14,17 @@ use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Entries of a folder that are offered.
+/// Maximum number of folder entries offered.
 const MOST_FILES: usize = 500;
 
 /// Types of joints.
 const TYPES: [(&str, &str); 6] = [
     ("revolute", "turns between limits"),
-    ("continuous", "turns without end"),
+    ("continuous", "turns without limits"),
     ("prismatic", "slides"),
     ("fixed", "does not move"),
     ("floating", "moves freely"),
-    ("planar", "slides in a plane and turns in it"),
+    ("planar", "moves and turns in a plane"),
 ];
 
 struct Offer<'a> {
@@ -97,7 +97,7 @@ impl Offer<'_> {
         way.iter().skip(1).map(name).filter(|name| !name.starts_with("xacro:")).collect()
     }
 
-    /// What may stand in an element of SDF or MJCF.
+    /// The allowed content of an element of SDF or MJCF.
     fn words_of(&self, tag: usize) -> Option<Words> {
         let mut way: Vec<usize> = std::iter::once(tag).chain(self.markup.around(tag)).collect();
         way.reverse();
@@ -105,7 +105,7 @@ impl Offer<'_> {
         let mut way: Vec<&str> = way.iter().map(name).filter(|name| !name.starts_with("xacro:")).collect();
         match self.language() {
             Language::Mjcf => {
-                // A file that is included begins anew, with whatever the model may have.
+                // An included file starts with the content of a model.
                 way[0] = "mujoco";
                 vocabulary::words(vocabulary::MJCF, &way)
             }
@@ -132,7 +132,7 @@ impl Offer<'_> {
         }
     }
 
-    /// Values of an attribute of SDF or MJCF; whether something is known of it.
+    /// Offers values of an attribute of SDF or MJCF; returns whether the attribute is known.
     fn listed(&mut self, tag: usize, name: &str) -> bool {
         let language = self.language();
         if !matches!(language, Language::Sdf | Language::Mjcf) {
@@ -287,7 +287,7 @@ impl Offer<'_> {
         files
     }
 
-    /// Names of a kind that something gives, with the file's name.
+    /// Defined names of a kind, with the file's name.
     fn named(&self, kind: Kind) -> Vec<(String, String)> {
         let mut found = Vec::new();
         for file in self.files() {
@@ -299,7 +299,7 @@ impl Offer<'_> {
         found
     }
 
-    /// Links or joints of the robots, and those that the text gives.
+    /// Links or joints of the robots, and those defined in the text.
     fn parts(&mut self, kind: Named) {
         let mut links: Vec<(String, &str)> = Vec::new();
         for robot in self.robots().iter().filter_map(|analysis| analysis.robot.as_ref()) {
@@ -363,7 +363,7 @@ impl Offer<'_> {
                     self.add(name, file, CompletionItemKind::Struct);
                 }
             }
-            // A new link or joint has a name of its own.
+            // A new link or joint has a new name.
             (None, "link" | "joint", "name") if self.language() == Language::Urdf && self.way(tag).len() == 1 => {}
             (None, local, name) => {
                 let kind = match self.language() {
@@ -397,7 +397,7 @@ impl Offer<'_> {
         self.parts(kind);
     }
 
-    /// Inside of `${…}` or `$(…)`; whether that is so.
+    /// Completion inside `${…}` or `$(…)`; returns whether the cursor is there.
     fn substitution(&mut self, value: Range<usize>) -> bool {
         let before = &self.text[value.start..self.at];
         let open = |opens: &str, closes: char| before.rfind(opens).filter(|at| !before[*at..].contains(closes));
@@ -417,7 +417,7 @@ impl Offer<'_> {
         let Some((word, rest)) = inner.split_once(' ') else {
             self.from = value.start + at + 2;
             for (word, what) in
-                [("find", "folder of a package"), ("arg", "an argument"), ("env", "a variable of the environment")]
+                [("find", "folder of a package"), ("arg", "an argument"), ("env", "an environment variable")]
             {
                 self.add(word, what, CompletionItemKind::Keyword);
             }
@@ -440,7 +440,7 @@ impl Offer<'_> {
         true
     }
 
-    /// Files and folders, of a package or beside the file.
+    /// Files and folders, of a package or next to the file.
     fn paths(&mut self, start: usize) {
         let written = &self.text[start..self.at];
         let packages = packages(self.session, self.path);

@@ -1,4 +1,4 @@
-//! Where a name is given, and where it is used.
+//! Where a name is defined, and where it is used.
 
 use crate::analysis::{Analysis, Spot, real};
 use crate::markup::{Spot as Place, scan};
@@ -12,20 +12,20 @@ use std::ops::Range as Bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// A name that is asked about.
+/// The name of a request.
 #[derive(Debug)]
 pub(crate) struct Target {
     pub occurrence: Occurrence,
-    /// What it is in the robots: expressions come to names.
+    /// Its names in the robots, after evaluation of expressions.
     pub names: Vec<String>,
 }
 
-/// A place that has the name.
+/// A place with the name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Use {
     pub at: Spot,
     pub defines: bool,
-    /// Whether the name stands there as it is, and no expression makes it.
+    /// Whether the name is written there literally, not by an expression.
     pub plain: bool,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn is_part_of_tree(kind: Kind) -> bool {
     matches!(kind, Kind::Link | Kind::Joint | Kind::Either)
 }
 
-/// Every analysis that speaks of what a file speaks of: robots that it belongs to, and their SRDF files.
+/// Every analysis related to a file: robots that it belongs to, and their SRDF files.
 fn about(session: &Session, path: &Path) -> Vec<Rc<Analysis>> {
     let mut robots = session.robots_of(path);
     robots.extend(session.robots_of_srdf(path));
@@ -72,7 +72,7 @@ fn about(session: &Session, path: &Path) -> Vec<Rc<Analysis>> {
     all
 }
 
-/// Every place that has the name of a target, in the order of files and bytes.
+/// Every place with the name of a target, in the order of files and bytes.
 pub(crate) fn uses(session: &Session, path: &Path, target: &Target) -> Vec<Use> {
     let kind = target.occurrence.kind;
     let analyses = about(session, path);
@@ -117,7 +117,7 @@ pub(crate) fn uses(session: &Session, path: &Path, target: &Target) -> Vec<Use> 
     found
 }
 
-/// The bytes of the macro whose parameter a property is; `None` where it is no parameter.
+/// The bytes of the macro whose parameter a property is; `None` if it is not a parameter.
 fn parameter_home(session: &Session, path: &Path, name: &Occurrence) -> Option<Bytes<usize>> {
     let tag = macro_of(session, path, name)?;
     let markup = session.files.markup(path)?;
@@ -144,7 +144,7 @@ pub(crate) fn location(session: &Session, at: &Spot) -> Location {
     Location { uri: uri_of(&at.file), range }
 }
 
-/// Where what is named at a byte gets its name.
+/// The definition of the name at a byte.
 pub(crate) fn definition(session: &Session, path: &Path, at: usize) -> Vec<Location> {
     let Some(target) = target(session, path, at) else { return Vec::new() };
     let file = |path: PathBuf| vec![location(session, &Spot { file: real(&path), range: 0..0 })];
@@ -165,7 +165,7 @@ pub(crate) fn definition(session: &Session, path: &Path, at: usize) -> Vec<Locat
     uses.iter().filter(|found| found.defines).map(|found| location(session, &found.at)).collect()
 }
 
-/// Every place that names what is named at a byte.
+/// Every use of the name at a byte.
 pub(crate) fn references(session: &Session, path: &Path, at: usize, with_definition: bool) -> Vec<Location> {
     let Some(target) = target(session, path, at) else { return Vec::new() };
     let uses = uses(session, path, &target);
@@ -179,7 +179,7 @@ pub(crate) fn packages(session: &Session, path: &Path) -> PackagePath {
     PackagePath::new(&session.settings.options(path).package_path, &named.collect::<Environment>()).near(path)
 }
 
-/// The file that an include or a mesh names; it need not be there.
+/// The file that an include or a mesh names; it may be missing.
 pub(crate) fn file_of(session: &Session, path: &Path, name: &Occurrence) -> Option<PathBuf> {
     let words = evaluated(session, path, name.range.clone())?;
     if words.contains('$') {
@@ -188,7 +188,7 @@ pub(crate) fn file_of(session: &Session, path: &Path, name: &Occurrence) -> Opti
     packages(session, path).resolve(&words, Some(path)).ok()
 }
 
-/// A piece of a file with its expressions and substitutions evaluated, as far as their values are known.
+/// A part of a file with its expressions and substitutions evaluated, as far as their values are known.
 pub(crate) fn evaluated(session: &Session, path: &Path, range: Bytes<usize>) -> Option<String> {
     let text = session.files.text(path)?;
     let written = text.text.get(range.clone())?;
@@ -220,7 +220,7 @@ pub(crate) fn evaluated(session: &Session, path: &Path, range: Bytes<usize>) -> 
     Some(words)
 }
 
-/// The link that a byte of a file speaks of: its own, or that of the link or joint around it.
+/// The link that a byte of a file refers to: by name, or by the enclosing link or joint.
 pub(crate) fn link_at(session: &Session, path: &Path, at: usize) -> Option<String> {
     let (text, markup) = (session.files.text(path)?, session.files.markup(path)?);
     let robots: Vec<Rc<Analysis>> = session.robots_of(path).into_iter().chain(session.robots_of_srdf(path)).collect();

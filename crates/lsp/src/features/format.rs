@@ -1,12 +1,12 @@
-//! Formatting: indentation and line ends, and nothing but white space.
+//! Formatting: indentation and line ends; changes only white space.
 
 use crate::session::Session;
 use gen_lsp_types::TextEdit;
 use std::path::Path;
 
-/// An indentation that nobody asked for.
+/// Default indentation.
 const INDENT: u64 = 2;
-/// Nobody indents by more.
+/// Maximum indentation.
 const WIDEST: u64 = 16;
 
 pub(crate) fn format(session: &Session, path: &Path, size: Option<u64>, tabs: bool) -> Result<Vec<TextEdit>, String> {
@@ -21,7 +21,7 @@ pub(crate) fn format(session: &Session, path: &Path, size: Option<u64>, tabs: bo
         return Ok(Vec::new());
     }
     if tokens(&formatted) != tokens(&text.text) {
-        return Err("formatting would change more than white space, and was left".to_owned());
+        return Err("formatting would change more than white space, so nothing was changed".to_owned());
     }
     // The smallest edit: what both have at the start and the end stays.
     let same = |a: &str, b: &str| a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
@@ -47,7 +47,7 @@ enum Piece<'a> {
     Empty(&'a str),
     /// `</name>`
     Close(&'a str),
-    /// A comment, instruction, declaration or character data, as it stands.
+    /// A comment, instruction, declaration or character data, unchanged.
     Other(&'a str),
     /// Everything between two of these.
     Text(&'a str),
@@ -113,7 +113,7 @@ fn pieces(text: &str) -> Option<Vec<Piece<'_>>> {
     Some(found)
 }
 
-/// Words of a tag: its name, and each attribute as it stands.
+/// Words of a tag: its name, and each attribute as written.
 fn words(tag: &str) -> Vec<String> {
     let inner = tag.trim_start_matches('<').trim_end_matches('>').trim_end_matches('/');
     let (mut found, mut word, mut quote) = (Vec::new(), String::new(), None);
@@ -127,7 +127,7 @@ fn words(tag: &str) -> Vec<String> {
                 }
             }
             None if c.is_ascii_whitespace() => {
-                // White space around "=" says nothing.
+                // White space around "=" has no meaning.
                 if !word.is_empty() && !word.ends_with('=') {
                     found.push(std::mem::take(&mut word));
                 }
@@ -149,7 +149,7 @@ fn words(tag: &str) -> Vec<String> {
     found
 }
 
-/// What a text says, without the white space that says nothing: what formatting may not change.
+/// The content of a text without insignificant white space, which formatting must not change.
 pub(crate) fn tokens(text: &str) -> Option<Vec<String>> {
     let tag = |kind: &str, tag: &str| {
         let mut found = vec![kind.to_owned()];
@@ -204,7 +204,7 @@ pub(crate) fn formatted(text: &str, step: &str) -> Option<String> {
         if !was_in_words {
             let closes_at_once = matches!(piece, Piece::Close(_))
                 && matches!(index.checked_sub(1).map(|last| pieces[last]), Some(Piece::Open(_)));
-            // A comment behind an element says something of that element.
+            // A comment after an element belongs to that element.
             let stays_behind =
                 matches!(piece, Piece::Other(words) if words.starts_with("<!--")) && blank == 0 && !out.is_empty();
             if stays_behind {
@@ -238,14 +238,14 @@ pub(crate) fn formatted(text: &str, step: &str) -> Option<String> {
     Some(out)
 }
 
-/// A start tag with single spaces; attributes that stand on lines of their own stay there.
+/// A start tag with single spaces; attributes on separate lines stay there.
 fn laid_out(tag: &str, indent: &str, step: &str, ending: &str) -> String {
     let words = words(tag);
     let end = if tag.ends_with("/>") { "/>" } else { ">" };
     let mut rest = tag;
     let mut out = String::from("<");
     for (index, word) in words.iter().enumerate() {
-        // White space around "=" was taken out of the word.
+        // White space around "=" was removed from the word.
         let name = word.split('=').next().unwrap_or(word);
         let at = rest.find(name).unwrap_or(0);
         let before = &rest[..at];
@@ -269,7 +269,7 @@ fn laid_out(tag: &str, indent: &str, step: &str, ending: &str) -> String {
     out
 }
 
-/// For each piece that opens an element, whether that has words in it; `None` where elements do not close.
+/// For each piece that opens an element, whether it contains text; `None` if elements are not closed.
 fn mixed(pieces: &[Piece]) -> Option<Vec<bool>> {
     let mut mixed = vec![false; pieces.len()];
     let mut open: Vec<usize> = Vec::new();

@@ -1,4 +1,4 @@
-//! What is under the cursor, in numbers.
+//! Values of what is under the cursor.
 
 use crate::analysis::Analysis;
 use crate::features::commands;
@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Robots, or values of an expression, that are shown; the others are counted.
+/// Maximum number of robots or values of an expression shown; the others are counted.
 const MOST: usize = 3;
 
 pub(crate) fn hover(session: &Session, path: &Path, at: usize) -> Option<Hover> {
@@ -254,7 +254,7 @@ fn limits(joint: &Joint) -> String {
     let limits = joint.limits_in_force();
     let range = match (limits.range, &joint.kind) {
         (Some((lower, upper)), _) => format!("limits {} … {}", shown(lower), shown(upper)),
-        (None, JointKind::Continuous) => "turns without end".to_owned(),
+        (None, JointKind::Continuous) => "turns without limits".to_owned(),
         (None, JointKind::Fixed) => return "does not move".to_owned(),
         (None, _) => "no limits stated".to_owned(),
     };

@@ -1,4 +1,4 @@
-//! The line above a robot: what it is, and how far its tip moves against the last commit.
+//! The line above a robot: a summary, and the displacement of its tip since the last commit.
 
 use crate::features::commands::{self, robot_of, sheet, table};
 use crate::session::Session;
@@ -8,7 +8,7 @@ use gen_lsp_types::{CodeLens, Command, Uri};
 use serde_json::json;
 use std::path::Path;
 
-/// A lens for the summary, which is worked out when it comes into sight, and one for each command.
+/// A lens for the summary, computed when it becomes visible, and one for each command.
 pub(crate) fn lenses(session: &Session, path: &Path) -> Vec<CodeLens> {
     let (Some(text), Some(markup)) = (session.files.text(path), session.files.markup(path)) else { return Vec::new() };
     let is_robot = session.robots_of(path).first().is_some_and(|analysis| analysis.file == path);
@@ -48,7 +48,7 @@ pub(crate) fn resolve(session: &Session, mut lens: CodeLens) -> CodeLens {
     lens
 }
 
-/// `6R, base → tool0, tip moves by at most 0.61 mm against HEAD`
+/// `6R, base → tool0, tip moved by at most 0.61 mm since HEAD`
 fn summary(session: &Session, path: &Path) -> String {
     let robot = match robot_of(session, path) {
         Ok(robot) => robot,
@@ -68,7 +68,7 @@ fn summary(session: &Session, path: &Path) -> String {
     }
 }
 
-/// `None` where there is no last commit of the file.
+/// `None` if the file is in no commit.
 fn against_head(session: &Session, path: &Path) -> Option<String> {
     let (comparison, _) = commands::with_head(session, path).ok()?;
     if comparison.verdict == Verdict::Same {
@@ -82,10 +82,10 @@ fn against_head(session: &Session, path: &Path) -> Option<String> {
             let places = if millimetres < 10.0 { 2 } else { 0 };
             let which = if comparison.tips.len() > 1 { format!(" ({})", tip.tip) } else { String::new() };
             format!(
-                "tip{which} moves by at most {} mm against HEAD",
+                "tip{which} moved by at most {} mm since HEAD",
                 denavit_export::numbers::decimal(millimetres, places)
             )
         }
-        None => "differs from HEAD, tips in place".to_owned(),
+        None => "differs from HEAD, tips unchanged".to_owned(),
     })
 }

@@ -1,4 +1,4 @@
-//! Names that a macro's parameter, a property or an argument passes on.
+//! Names passed on by a macro's parameter, a property or an argument.
 
 use crate::analysis::Spot;
 use crate::features::definition::macro_of;
@@ -6,7 +6,7 @@ use crate::names::Kind;
 use crate::session::Session;
 use std::path::PathBuf;
 
-/// Where a name is written that reaches `at` through `${…}` or `$(arg …)` alone; empty where something else makes it.
+/// Where a name is written that reaches `at` only through `${…}` or `$(arg …)`; empty if it is composed otherwise.
 pub(crate) fn passed(session: &Session, at: &Spot, name: &str) -> Vec<Spot> {
     let mut files: Vec<PathBuf> = vec![at.file.clone()];
     for analysis in session.analyses().filter(|analysis| analysis.files.contains(&at.file)) {
@@ -28,7 +28,7 @@ struct Follower<'a> {
 }
 
 impl Follower<'_> {
-    /// Goes from a use to what gives it its value.
+    /// Follows a use to the origin of its value.
     fn follow(&mut self, at: &Spot) {
         if self.seen.contains(at) {
             return;
@@ -63,7 +63,7 @@ impl Follower<'_> {
         }
     }
 
-    /// What a value is made of: the name itself, or a further way to it.
+    /// The content of a value: the name itself, or another step towards it.
     fn value(&mut self, at: Spot) {
         let Some(text) = self.session.files.text(&at.file) else { return };
         let Some(written) = text.text.get(at.range.clone()) else { return };
@@ -74,7 +74,7 @@ impl Follower<'_> {
         }
     }
 
-    /// Values that calls of a macro give to a parameter.
+    /// Values of a parameter in the calls of a macro.
     fn calls(&mut self, of: &str, parameter: &str) {
         self.attributes(|full, _| full.strip_prefix("xacro:") == Some(of), parameter);
     }

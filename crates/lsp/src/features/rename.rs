@@ -1,4 +1,4 @@
-//! Another name for a link or joint, wherever it is used.
+//! Renames a link or joint wherever it is used.
 
 use crate::analysis::{Analysis, Spot};
 use crate::features::definition::{Target, is_part_of_tree, target, uses};
@@ -12,19 +12,18 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 fn renamed(session: &Session, path: &Path, at: usize) -> Result<Target, String> {
-    let target =
-        target(session, path, at).ok_or("there is no name here; put the cursor on the name of a link or joint")?;
+    let target = target(session, path, at).ok_or("no name here; put the cursor on the name of a link or joint")?;
     let kind = target.occurrence.kind;
     if !is_part_of_tree(kind) {
         return Err(format!(
-            "only links and joints are renamed, and \"{}\" names the {}",
+            "only links and joints can be renamed, but \"{}\" names the {}",
             target.occurrence.name,
             kind.word()
         ));
     }
     if target.occurrence.name.contains('$') {
         return Err(format!(
-            "{} is made by an expression; rename the property or the text that it is made of",
+            "{} comes from an expression; rename the property or text in that expression",
             target.occurrence.name
         ));
     }
@@ -38,7 +37,7 @@ pub(crate) fn prepare(session: &Session, path: &Path, at: usize) -> Result<Range
     Ok(text.range(&target.occurrence.range))
 }
 
-/// The edits that give a link or joint another name.
+/// The edits that rename a link or joint.
 pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Result<WorkspaceEdit, String> {
     let mut target = renamed(session, path, at)?;
     if new.trim().is_empty() || new.contains(['<', '>', '"', '\'', '&', '$']) || new.contains(char::is_whitespace) {
@@ -56,12 +55,12 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
             _ => robot.link_index(new).is_some(),
         };
         if taken {
-            return Err(format!("{}: a {} has the name \"{new}\" already", robot.name, target.occurrence.kind.word()));
+            return Err(format!("{}: a {} already has the name \"{new}\"", robot.name, target.occurrence.kind.word()));
         }
     }
     let kind = target.occurrence.kind;
     let mut found = uses(session, path, &target);
-    // A reference that may mean either means a link where there is one.
+    // A reference that may mean either means the link, if there is one.
     let both = robots.iter().filter_map(|analysis| analysis.robot.as_ref());
     let both = both.filter(|robot| robot.link_index(&old).is_some() && robot.joint_index(&old).is_some()).count() > 0;
     if both && kind == Kind::Joint {
@@ -79,7 +78,7 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
         let sources = passed(session, &made.at, &old);
         if sources.is_empty() {
             return Err(format!(
-                "an expression makes the {} \"{old}\" at {}; rename it there",
+                "an expression creates the {} \"{old}\" at {}; rename it there",
                 kind.word(),
                 place(session, &made.at)
             ));
@@ -94,8 +93,8 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
         for robot in robots.iter().filter(|robot| robot.trace.is_some()) {
             prove(session, robot, &texts, (kind, &old, new)).map_err(|why| {
                 format!(
-                    "\"{old}\" is handed on at {}, and more than the {} is made of it ({why}); give the other use a \
-                     parameter of its own",
+                    "\"{old}\" is passed on at {}, and not only the {} uses it ({why}); give the other use its own \
+                     parameter",
                     place(session, first),
                     kind.word()
                 )
@@ -112,7 +111,7 @@ pub(crate) fn rename(session: &Session, path: &Path, at: usize, new: &str) -> Re
     for spot in &spots {
         change(&spot.file, spot.range.clone());
     }
-    // SRDF files beside the robot that nobody has open.
+    // SRDF files near the robot that are not open.
     let names: Vec<&str> = robots.iter().filter_map(|analysis| Some(analysis.robot.as_ref()?.name.as_str())).collect();
     let seen: Vec<&Path> = found.iter().map(|found| found.at.file.as_path()).collect();
     for file in descriptions_near(path).iter().filter(|file| !seen.contains(&file.as_path())) {
@@ -137,7 +136,7 @@ fn place(session: &Session, at: &Spot) -> String {
     format!("{}:{line}", at.file.display())
 }
 
-/// The texts of files with another name at these bytes, which are in order.
+/// The texts of files with the new name at these bytes, which are in order.
 fn edited(session: &Session, spots: &[Spot], new: &str) -> BTreeMap<PathBuf, String> {
     let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
     for spot in spots.iter().rev() {
@@ -177,6 +176,6 @@ fn prove(
     match differs {
         Some((made, _)) => Err(format!("it would give {}", made.trim())),
         None if made.len() == expected.len() => Ok(()),
-        None => Err("it would give a robot of another size".to_owned()),
+        None => Err("it would give a different robot".to_owned()),
     }
 }

@@ -1,11 +1,11 @@
-//! Three angles as a rotation, in every order that people name.
+//! Three angles as a rotation, in every common order.
 
 use denavit_model::nalgebra::{Rotation3, Vector3};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// An order of three turns: `XYZ` about the axes as they turn along (intrinsic), `xyz` about fixed axes (extrinsic).
+/// An order of three rotations: `XYZ` about the rotating axes (intrinsic), `xyz` about fixed axes (extrinsic).
 ///
 /// # Validation
 /// All 24 orders against `scipy.spatial.transform.Rotation.from_euler`, see the test below.
@@ -15,10 +15,10 @@ pub struct EulerOrder {
     intrinsic: bool,
 }
 
-/// A word that names no order.
+/// A word that is not an order of angles.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "\"{0}\" names no order of angles; write three of X, Y, Z with no axis twice in a row: XYZ for turned axes, xyz for fixed \
+    "\"{0}\" is not an order of angles; write three of X, Y, Z with no axis twice in a row: XYZ for rotating axes, xyz for fixed \
      ones (roll, pitch, yaw of a URDF is xyz, KUKA's A, B, C is ZYX)"
 )]
 pub struct EulerError(String);
@@ -54,7 +54,7 @@ impl EulerOrder {
         if self.intrinsic { turn(0) * turn(1) * turn(2) } else { turn(2) * turn(1) * turn(0) }
     }
 
-    /// The place in the order of the turn about an axis (0-2 for x, y, z), where each axis is turned about once.
+    /// The index in the order of the rotation about an axis (0-2 for x, y, z), where each axis occurs once.
     pub(super) fn place_of(self, axis: usize) -> Option<usize> {
         let mut places = (0..3).filter(|&k| self.axes[k] == axis);
         places.next().filter(|_| places.next().is_none())
@@ -64,7 +64,7 @@ impl EulerOrder {
 /// What three numbers of an orientation mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleConvention {
-    /// Angles of three turns.
+    /// Angles of three rotations.
     Euler(EulerOrder),
     /// Axis times angle.
     RotationVector,
@@ -75,14 +75,14 @@ pub enum AngleConvention {
 pub struct WrittenAngles {
     /// The convention that they were read in.
     pub read_as: AngleConvention,
-    /// Whether a name of a column says which axis it is about, so that an order of turns takes it by its axis and not by its place.
+    /// Whether the column names state their axes, so that an order assigns them by axis and not by position.
     pub by_axis: bool,
     /// rad, in the file's order; not finite where a row has none.
     pub numbers: Vec<[f64; 3]>,
 }
 
 impl AngleConvention {
-    /// Every one: the rotation vector, and all 24 orders.
+    /// All conventions: the rotation vector, and all 24 orders.
     pub fn all() -> impl Iterator<Item = Self> {
         let axes = || (0..3usize).flat_map(|a| (0..3).flat_map(move |b| (0..3).map(move |c| [a, b, c])));
         let orders = [false, true].into_iter().flat_map(move |intrinsic| {
@@ -108,7 +108,7 @@ impl AngleConvention {
 }
 
 impl EulerOrder {
-    /// Where in the order the turns about x, y, z are; as they stand where an axis is turned about twice.
+    /// The indices in the order of the rotations about x, y, z; 0, 1, 2 where an axis occurs twice.
     pub(super) fn places(self) -> [usize; 3] {
         match [0, 1, 2].map(|axis| self.place_of(axis)) {
             [Some(x), Some(y), Some(z)] => [x, y, z],

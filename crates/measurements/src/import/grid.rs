@@ -16,9 +16,9 @@ pub(super) struct Grid {
     pub header_line: usize,
     /// Line and cells of each row.
     pub rows: Vec<(usize, Vec<String>)>,
-    /// What was found out on the way.
+    /// Notes on how the file was read.
     pub notes: Vec<String>,
-    /// Line and text of what stands above the header and is not read.
+    /// Line and text above the header that is not read.
     pub ignored: Vec<(usize, String)>,
     /// Whether numbers are written with a comma.
     pub decimal_comma: bool,
@@ -30,14 +30,14 @@ pub(super) struct Grid {
     pub separator: Option<char>,
 }
 
-/// Words that a row of units is made of beside those of lengths and angles.
+/// Units in a row of units, other than those of lengths and angles.
 const OTHER_UNITS: [&str; 9] = ["s", "ms", "sec", "kg", "°c", "c", "-", "", "1"];
-/// So much is shown of a line that is not read.
+/// Number of letters shown of a line that is not read.
 const LETTERS_SHOWN: usize = 60;
-/// A file starts with no more lines of other things than this.
+/// Most lines of other text at the start of a file.
 const MOST_LINES_ABOVE: usize = 200;
 
-/// The text of bytes in UTF-8, UTF-16 or windows-1252, and what it was taken for.
+/// The text of bytes in UTF-8, UTF-16 or windows-1252, and the encoding that was assumed.
 pub(super) fn decoded(bytes: &[u8]) -> (String, &'static str) {
     let zeros = |odd: usize| bytes.iter().take(2000).skip(odd).step_by(2).filter(|byte| **byte == 0).count();
     let many = bytes.len().min(2000) / 8;
@@ -68,7 +68,7 @@ pub(super) fn is_workbook(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04")
 }
 
-/// Reads a file into cells; `is_joint` says whether a name is a joint's, which tells the header row.
+/// Reads a file into cells; `is_joint` says whether a name is a joint's, which identifies the header row.
 pub(super) fn read(bytes: &[u8], is_joint: &dyn Fn(&str) -> bool) -> Result<Grid, Fault> {
     if is_workbook(bytes) {
         let mut grid = laid_out(sheet::rows(bytes)?, is_joint)?;
@@ -132,7 +132,7 @@ fn cells(line: &str, separator: char) -> Vec<String> {
     first.and_then(Result::ok).map_or_else(Vec::new, |record| record.iter().map(str::to_owned).collect())
 }
 
-/// Neither empty nor for people alone: behind `#`, or `//` as SpatialAnalyzer has them.
+/// Neither empty nor a comment: `#`, or `//` as SpatialAnalyzer writes them.
 fn is_data(line: &str) -> bool {
     let line = line.trim_start();
     let is_comment = line.starts_with("//") || line.starts_with('#') && !line.starts_with("#N/A");
@@ -234,7 +234,7 @@ impl Grid {
         self.plain = false;
     }
 
-    /// Where names repeat (X, Y, Z for each body), those of the lines above go before them: Motive, Vicon.
+    /// Where names repeat (X, Y, Z for each body), prefixes those of the lines above: Motive, Vicon.
     /// Returns the lines that were used.
     fn names_from_above(&mut self, above: &[(usize, Vec<String>)]) -> Vec<usize> {
         let mut used = Vec::new();
@@ -261,13 +261,13 @@ impl Grid {
                 }
             }
             self.plain = false;
-            self.notes.push(format!("names of line {line} stand before those of line {}", self.header_line));
+            self.notes.push(format!("names of line {line} are prefixed to those of line {}", self.header_line));
             used.push(*line);
         }
         used
     }
 
-    /// Says which lines above the header are not read.
+    /// Notes which lines above the header are not read.
     fn not_read(&mut self, above: &[(usize, Vec<String>)]) {
         let Some((first, cells)) = above.first() else { return };
         let text = cells.iter().filter(|cell| !cell.is_empty()).map(String::as_str).collect::<Vec<_>>().join(" ");
@@ -282,7 +282,7 @@ impl Grid {
         self.ignored.extend(above.iter().map(|(line, cells)| (*line, cells.join(" "))));
     }
 
-    /// Index of a column by its exact name, else by its name without case, else by its place: `column 7`.
+    /// Index of a column by its exact name, else by its name without case, else by its number: `column 7`.
     pub fn column(&self, name: &str) -> Option<usize> {
         let exact = self.names.iter().position(|known| known == name);
         let placed = || {

@@ -19,10 +19,10 @@ pub struct MapError {
     pub reason: String,
 }
 
-/// What a file's columns are for.
+/// What a file's columns mean.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Map {
-    /// Units of lengths and angles that have none of their own, as `mm,deg`.
+    /// Units of lengths and angles that state none, as `mm,deg`.
     pub units: Option<Units>,
     /// Columns of the joints, in the chain's order.
     pub joints: Vec<String>,
@@ -40,14 +40,14 @@ impl Map {
     /// Reads a map.
     ///
     /// # Errors
-    /// What is no TOML, or no map.
+    /// The text is not TOML, or not a map.
     pub fn read(file: &str, text: &str) -> Result<Self, MapError> {
         let failed = |reason: String| MapError { file: file.into(), reason };
         let table: Table =
             text.parse().map_err(|error: toml::de::Error| failed(error.to_string().trim_end().into()))?;
         let mut map = Self::default();
         for (key, value) in &table {
-            let wrong = |wanted: &str| failed(format!("\"{key}\" is to be {wanted}"));
+            let wrong = |wanted: &str| failed(format!("\"{key}\" must be {wanted}"));
             match key.as_str() {
                 "units" => {
                     let units = value.as_str().ok_or_else(|| wrong("a text such as \"mm,deg\""))?;
@@ -94,7 +94,7 @@ impl Map {
         for word in words.split(',') {
             let (name, column) = word.split_once('=').ok_or_else(|| MapError {
                 file: "‹columns›".into(),
-                reason: format!("\"{word}\" is no NAME=COLUMN; write x=X1,y=Y1 or the name of a TOML file"),
+                reason: format!("\"{word}\" is not NAME=COLUMN; write x=X1,y=Y1 or the name of a TOML file"),
             })?;
             map.columns.push((name.trim().into(), column.split('+').map(|part| part.trim().into()).collect()));
         }
@@ -102,7 +102,7 @@ impl Map {
     }
 }
 
-/// Four columns in the order that a word such as `wxyz` tells, as x, y, z, w; `None` where it tells none.
+/// Four columns in the order of a word such as `wxyz`, as x, y, z, w; `None` where the word is not an order.
 pub fn quaternion_order(order: &str, columns: &[String; 4]) -> Option<[String; 4]> {
     let letters: Vec<char> = order.chars().collect();
     let at = |letter: char| letters.iter().position(|c| *c == letter).filter(|_| letters.len() == 4);
@@ -117,16 +117,16 @@ fn names(value: &Value) -> Option<Vec<String>> {
     }
 }
 
-/// A map to start from: what is certain, and every column of the file with its first value to choose from.
+/// A draft of a map: what is certain, and every column of the file with its first value to choose from.
 pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
-    // A text of JSON is a text of TOML.
+    // A JSON string is a TOML string.
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let joints = chain.coordinates();
     let guessed = joint_columns(grid, chain);
     let units = likely_units(grid, chain, &guessed);
     let mut text = format!(
         "# Which column of {file} is what; see docs/measurements.md.\n\
-         units = \"{units}\"   # of columns that name none; guessed from the size of the numbers: check\n"
+         units = \"{units}\"   # of columns without a unit; guessed from the size of the numbers: check\n"
     );
     let listed: Vec<String> = guessed.iter().map(|name| quoted(name.map_or("?", String::as_str))).collect();
     let order: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
@@ -134,7 +134,7 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
     for (axis, column) in ["x", "y", "z"].into_iter().zip(place_columns(grid)) {
         let _ = writeln!(text, "{axis} = {}", quoted(column.map_or("?", String::as_str)));
     }
-    text += "# euler = { order = \"XYZ\", columns = [\"\", \"\", \"\"] }         # turned axes; xyz: fixed axes\n\
+    text += "# euler = { order = \"XYZ\", columns = [\"\", \"\", \"\"] }         # rotating axes; xyz: fixed axes\n\
              # quaternion = { order = \"wxyz\", columns = [\"\", \"\", \"\", \"\"] }\n\
              # temperature = \"\"   time = \"\"   payload = \"\"   \"JOINT.approach\" = \"\"\n# columns of the file, with the first row's value:\n";
     for (k, name) in grid.names.iter().enumerate() {
@@ -144,12 +144,12 @@ pub(super) fn draft(file: &str, grid: &Grid, chain: &Chain) -> String {
     text
 }
 
-/// No joint reads more radians than this in a file of measurements, and none of degrees less.
+/// Joint readings above this are degrees, those below radians.
 const MOST_RADIANS: f64 = 7.0;
-/// No robot that is measured reaches this many metres.
+/// Positions beyond this many metres are millimetres.
 const MOST_METRES: f64 = 20.0;
 
-/// The units that the numbers are likely in, by their size; mm and deg where nothing says it.
+/// The likely units of the numbers, by their size; mm and deg where nothing shows it.
 fn likely_units(grid: &Grid, chain: &Chain, joints: &[Option<&String>]) -> Units {
     let largest = |name: &String| {
         let column = grid.column(name)?;
@@ -170,7 +170,7 @@ fn small(text: &str) -> String {
     text.to_lowercase()
 }
 
-/// The column that is likely each joint's, in the chain's order: by the joint's name, or by a number such as joint_1, A1,
+/// The likely column of each joint, in the chain's order: by the joint's name, or by a number such as joint_1, A1,
 /// axis 1, J1.
 pub(super) fn joint_columns<'a>(grid: &'a Grid, chain: &Chain) -> Vec<Option<&'a String>> {
     let numbered = |k: usize| {
@@ -184,7 +184,7 @@ pub(super) fn joint_columns<'a>(grid: &'a Grid, chain: &Chain) -> Vec<Option<&'a
     chain.coordinates().iter().enumerate().map(|(k, joint)| own(&joint.name).or_else(|| numbered(k))).collect()
 }
 
-/// The columns that are likely x, y, z of what was measured.
+/// The likely columns of the measured x, y, z.
 pub(super) fn place_columns(grid: &Grid) -> [Option<&String>; 3] {
     ["x", "y", "z"].map(|axis| {
         // Without a unit in brackets: T_x [mm].

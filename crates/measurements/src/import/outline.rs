@@ -1,14 +1,14 @@
-//! The columns of a file as they stand, to ask a person what each one is.
+//! The columns of a file, to ask the user what each one is.
 
 use super::{ANGLE_COLUMNS, ImportProblem, QUATERNIONS, Work, bracketed, grid, map, names_a_joint, plain};
 use crate::Units;
 use denavit_model::Chain;
 use serde::Serialize;
 
-/// Values of a column that are shown beside its name.
+/// Number of values shown with a column's name.
 const SHOWN: usize = 3;
 
-/// A column of a file, and what it is likely to be.
+/// A column of a file, and its likely meaning.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FileColumn {
     /// Its name in the header row, or `column 2` where there is none.
@@ -19,9 +19,9 @@ pub struct FileColumn {
     pub first: Vec<String>,
     /// The contract's name for it, such as a joint's, `x` or `temperature`; none where nothing suggests one.
     pub meaning: Option<String>,
-    /// Whether its own name says so; else it is a guess, to be confirmed.
+    /// Whether its own name says so; otherwise it is a guess to confirm.
     pub sure: bool,
-    /// Whether it is one of three angles or of four numbers of a quaternion whose order its name does not tell.
+    /// Whether it is one of three angles or of four numbers of a quaternion whose order its name does not give.
     pub orientation: bool,
 }
 
@@ -38,7 +38,7 @@ pub fn outline(bytes: &[u8], chain: &Chain) -> Result<Vec<FileColumn>, ImportPro
         let joint = joints.iter().position(|column| *column == Some(name));
         let place = || places.iter().position(|column| *column == Some(name));
         let joint = joint.map(|k| chain.coordinates()[k].name.clone());
-        // What another column says of itself is not guessed of this one.
+        // A meaning that another column's name states is not guessed for this one.
         joint
             .or_else(|| place().map(|k| ["x", "y", "z"][k].to_owned()))
             .filter(|guess| !said.contains(&Some(guess.clone())))

@@ -1,6 +1,6 @@
-//! Joint values out of robot programs: ABB RAPID `jointtarget`, KUKA KRL `AXIS` and `E6AXIS`, UR script `movej`.
+//! Joint values from robot programs: ABB RAPID `jointtarget`, KUKA KRL `AXIS` and `E6AXIS`, UR script `movej`.
 //!
-//! A statement stands on one line, as the makers' own editors write it.
+//! A statement is on one line, as the makers' own editors write it.
 //!
 //! # Sources
 //! ABB, Technical reference manual, RAPID Instructions, Functions and Data types, 3HAC050917: `jointtarget` is
@@ -15,7 +15,7 @@ use thiserror::Error;
 pub struct JointList {
     /// The program.
     pub file: String,
-    /// What the file was taken for.
+    /// The recognised form of the file.
     pub taken_for: &'static str,
     /// Line and values.
     pub rows: Vec<(usize, Vec<f64>)>,

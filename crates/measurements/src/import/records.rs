@@ -10,10 +10,10 @@
 use super::{Fault, ImportProblem};
 use saphyr_parser::{Event, Parser};
 
-/// Lists that name joints, and those of their values beside them.
+/// Keys of lists of joint names, and of lists of their values.
 const NAMES: [&str; 3] = ["name", "joint_names", "joints"];
 const VALUES: [&str; 2] = ["position", "positions"];
-/// What stands beside them and is no column of a measurement.
+/// Keys next to them that are not columns of a measurement.
 const BESIDE: [&str; 3] = ["velocity", "effort", "velocities"];
 
 /// A value and its line.
@@ -38,7 +38,7 @@ impl Node {
     }
 }
 
-/// Whether a text is a list of records and no table: how it starts says so.
+/// Whether a text is a list of records and not a table, by its start.
 fn is_records(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let Some(first) = lines.next() else { return false };
@@ -55,10 +55,10 @@ fn is_records(text: &str) -> bool {
 /// The header and the rows, each with its line.
 type Rows = Vec<(usize, Vec<String>)>;
 
-/// A header and rows; `None` of a text that is no list of records.
+/// A header and rows; `None` for a text that is not a list of records.
 ///
 /// # Errors
-/// It starts as one and does not parse, or has no records.
+/// The text starts like records but does not parse, or has no records.
 pub(super) fn rows(text: &str) -> Result<Option<Rows>, Fault> {
     if !is_records(text) {
         return Ok(None);
@@ -90,7 +90,7 @@ fn documents(text: &str) -> Result<Vec<Node>, Fault> {
     let filled = || text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let is_object = |line: &str| line.trim().starts_with('{') && line.trim().ends_with('}');
     if filled().all(|(_, line)| is_object(line)) {
-        // What a line lacks is noticed after its end.
+        // A missing part of a line is noticed after its end.
         let own = |at: usize| move |fault: Fault| Fault { line: at + 1, ..fault };
         let each = filled().map(|(at, line)| parsed(line, at).map_err(own(at))).collect::<Result<Vec<_>, _>>()?;
         return Ok(each.into_iter().flatten().collect());
@@ -125,7 +125,7 @@ fn parsed(text: &str, above: usize) -> Result<Vec<Node>, Fault> {
             _ => continue,
         };
         match open.last_mut() {
-            // A stream ends with a document that says nothing.
+            // A stream ends with an empty document.
             None if matches!(done, Node::Scalar(..)) => {}
             None => documents.push(done),
             Some((Node::List(items, _), _)) => items.push(done),
@@ -205,7 +205,7 @@ fn flatten(above: &str, node: &Node, out: &mut Vec<(String, String)>) {
     }
 }
 
-/// Names without what stands above them, where one alone ends so; place and orientation of a pose under the contract's names.
+/// Names without the keys above them, where the ending is unique; position and orientation of a pose under the contract's names.
 fn short(names: &[String]) -> Vec<String> {
     let end = |name: &String| -> String {
         let parts: Vec<&str> = name.split('.').collect();

@@ -29,5 +29,5 @@ pub(super) fn rows(bytes: &[u8]) -> Result<Vec<(usize, Vec<String>)>, Fault> {
         let all = range.rows().enumerate().map(row);
         return Ok(all.filter(|(_, cells)| cells.iter().any(|cell| !cell.trim().is_empty())).collect());
     }
-    Err(failed("no sheet holds anything".into()))
+    Err(failed("every sheet is empty".into()))
 }

@@ -1,4 +1,4 @@
-//! A dial gauge on the tip that stands on a plate: how far its point is above the plate, from a zero that nobody knows, m.
+//! A dial gauge on the tip that touches a plate: height of its point above the plate, from an unknown zero, m.
 
 use super::{Frame, Part, Recorded, Unknowns};
 use crate::MeasurementError;

@@ -1,4 +1,4 @@
-//! The distance of a target from an anchor that stands still, m: a draw-wire sensor, a ball-bar.
+//! The distance of a target from a fixed anchor, m: a draw-wire sensor, a ball-bar.
 
 use super::{Part, Recorded, Unknowns};
 use crate::MeasurementError;

@@ -1,5 +1,5 @@
-//! Where gravity pulls, as a sensor on the tip has it: an accelerometer at rest (a direction), or an inclinometer with two axes (rad above
-//! the horizontal). Where the sensor sits on its link is not seen at all.
+//! The direction of gravity in a sensor on the tip: an accelerometer at rest (a direction), or an inclinometer with two axes (rad above
+//! the horizontal). The sensor's position on its link is not observable.
 
 use super::{Frame, Part, Recorded, Unknowns};
 use crate::MeasurementError;
@@ -11,9 +11,9 @@ pub(super) struct Gravity;
 #[derive(Debug)]
 pub(super) struct Inclination;
 
-/// Less than this is no direction, in the unit of what was read.
+/// Smallest norm of a direction, in the unit of the reading.
 const NO_DIRECTION: f64 = 1e-9;
-/// Rounding of what two axes at right angles to each other read.
+/// Rounding of the readings of two axes at right angles.
 const ROUNDING: f64 = 1e-3;
 
 const UNKNOWNS: Unknowns = Unknowns { frame: Frame::Level, turn: true, point: None };

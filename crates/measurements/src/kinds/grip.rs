@@ -1,4 +1,4 @@
-//! A tool that two tips of a robot hold together: where one of them has it is where the other has it. Nothing is read but the joints.
+//! A tool that two tips of a robot hold together: both tips must give the same tool pose. Only the joints are read.
 
 use super::{Frame, Part, Recorded, Unknowns};
 use crate::MeasurementError;
@@ -6,7 +6,7 @@ use crate::MeasurementError;
 #[derive(Debug)]
 pub(super) struct Grip;
 
-/// Place and orientation of a frame in itself.
+/// Position and orientation of a frame in itself.
 const ITSELF: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 impl Recorded for Grip {

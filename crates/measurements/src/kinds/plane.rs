@@ -1,5 +1,5 @@
-//! A ball on the tip that touches a plane: a plate, a table, a wall of which nothing is known but that it is flat. Nothing is read but
-//! the joints; the ball's radius is part of where the plane is found.
+//! A ball on the tip that touches a plane: a plate, a table, a wall, of which only the flatness is known. Only the joints are read;
+//! the ball's radius is part of the plane's estimated position.
 
 use super::{Frame, Part, Recorded, Unknowns};
 use crate::MeasurementError;

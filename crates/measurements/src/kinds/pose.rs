@@ -1,4 +1,4 @@
-//! Place and orientation of a target in the instrument's frame.
+//! Position and orientation of a target in the instrument's frame.
 //!
 //! Stored as x, y, z (m) and the rotation matrix column by column.
 
@@ -9,7 +9,7 @@ use denavit_model::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Ve
 #[derive(Debug)]
 pub(super) struct Pose;
 
-/// The orientation among the numbers of a pose.
+/// The orientation of a stored pose.
 pub fn rotation(values: &[f64]) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(&values[3..12]))
 }

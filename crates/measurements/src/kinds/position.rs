@@ -1,4 +1,4 @@
-//! The place of a target in the instrument's frame, m.
+//! The position of a target in the instrument's frame, m.
 
 use super::{Frame, Part, Recorded, Unknowns};
 use crate::MeasurementError;

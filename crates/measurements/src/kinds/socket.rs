@@ -1,4 +1,4 @@
-//! A ball on the tip that sits in a socket: the same point in all rows of a label, wherever that is. Nothing is read but the joints.
+//! A ball on the tip in a socket: the same unknown point in all rows of a label. Only the joints are read.
 
 use super::{Part, Recorded, Unknowns};
 use crate::MeasurementError;

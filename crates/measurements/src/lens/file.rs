@@ -9,7 +9,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LensError {
-    /// No YAML.
+    /// Not YAML.
     #[error("{file}:{line}: {what}; give the camera's intrinsics as ROS (camera_info) or OpenCV write them, in YAML")]
     Yaml {
         /// The file's name.
@@ -51,13 +51,13 @@ pub enum LensError {
         /// What it should have.
         expected: &'static str,
     },
-    /// A matrix that is no camera's.
+    /// A matrix that is not a camera's.
     #[error("{file}: camera_matrix is not fx 0 cx, 0 fy cy, 0 0 1 with fx and fy above 0, row by row")]
     NotACamera {
         /// The file's name.
         file: String,
     },
-    /// A model of distortion that is not read.
+    /// An unsupported model of distortion.
     #[error(
         "{file}: the distortion model \"{model}\" is not known; it must be plumb_bob, rational_polynomial or equidistant"
     )]
@@ -67,7 +67,7 @@ pub enum LensError {
         /// Its name.
         model: String,
     },
-    /// A sensor that is tilted against the lens.
+    /// A sensor that is tilted relative to the lens.
     #[error(
         "{file}: a tilted sensor (the 13th and 14th number of the distortion) is not supported; calibrate without it"
     )]
@@ -84,16 +84,16 @@ const MODEL: [&str; 2] = ["distortion_model", "camera_model"];
 const WIDTH: [&str; 2] = ["image_width", "width"];
 const HEIGHT: [&str; 2] = ["image_height", "height"];
 
-/// A scalar, the keys that it stands below, small letters, and its line.
+/// A scalar: the keys above it in lower case, its text, and its line.
 type Scalar = (Vec<String>, String, usize);
 
 impl Lens {
     /// Reads intrinsics: `camera_matrix` (or `k`), `distortion_coefficients` (or `d`), `distortion_model`, the image's size.
     ///
-    /// Where no model is named, OpenCV's polynomial of as many coefficients is meant.
+    /// Without a model, OpenCV's polynomial with this number of coefficients is assumed.
     ///
     /// # Errors
-    /// No YAML, a part that is missing or no camera's.
+    /// The text is not YAML, or a part is missing or invalid.
     pub fn read(file: &str, text: &str) -> Result<Self, LensError> {
         let scalars = scalars(file, text)?;
         let list = |names: &[&str]| numbers(file, &scalars, names);
@@ -150,7 +150,7 @@ fn distortion(file: &str, model: Option<&str>, numbers: &[f64]) -> Result<Distor
     }
 }
 
-/// The numbers of a list: right below one of these keys, or as its `data`; `None` where there is no such key.
+/// The numbers of a list: directly below one of these keys, or in its `data`; `None` where there is no such key.
 fn numbers(file: &str, scalars: &[Scalar], names: &[&str]) -> Result<Option<Vec<f64>>, LensError> {
     let mut found: Option<Vec<f64>> = None;
     for (path, text, line) in scalars {
@@ -174,15 +174,15 @@ fn numbers(file: &str, scalars: &[Scalar], names: &[&str]) -> Result<Option<Vec<
     Ok(found)
 }
 
-/// What is being read: a mapping, and whether it has named a key whose value is to come, or a list.
+/// The open node: a mapping, with the key whose value comes next, or a list.
 enum Open {
     Map(bool),
     List,
 }
 
-/// The scalars of the first document that says anything.
+/// The scalars of the first document that is not empty.
 fn scalars(file: &str, text: &str) -> Result<Vec<Scalar>, LensError> {
-    // OpenCV's first line, "%YAML:1.0", is no directive of YAML.
+    // OpenCV's first line, "%YAML:1.0", is not a YAML directive.
     let lines = text.lines().map(|line| if line.starts_with('%') { "" } else { line });
     let text = lines.collect::<Vec<&str>>().join("\n");
     let (mut open, mut path, mut all): (Vec<Open>, Vec<String>, Vec<Scalar>) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! What a model's `<compiler>` asks for.
+//! The settings of a model's `<compiler>`.
 
 use crate::document::Item;
 use crate::place::{Angles, fixed, number};
@@ -54,17 +54,19 @@ fn choice(item: &Item, attribute: &str) -> Result<Option<bool>, String> {
 }
 
 impl Settings {
-    /// Takes what one `<compiler>` states.
+    /// Reads the settings of one `<compiler>`.
     pub fn read(&mut self, item: &Item) -> Result<(), String> {
         match item.get("angle") {
             None => {}
             Some("degree") => self.angles.unit = 1f64.to_radians(),
             Some("radian") => self.angles.unit = 1.0,
-            Some(word) => return Err(format!("angle=\"{word}\" is no unit; write degree or radian")),
+            Some(word) => return Err(format!("angle=\"{word}\" is not a unit; write degree or radian")),
         }
         if let Some(sequence) = item.get("eulerseq") {
             if sequence.chars().count() != 3 || !sequence.chars().all(|letter| "xyzXYZ".contains(letter)) {
-                return Err(format!("eulerseq=\"{sequence}\" is no sequence; write three letters of x, y, z, X, Y, Z"));
+                return Err(format!(
+                    "eulerseq=\"{sequence}\" is not a valid sequence; write three letters of x, y, z, X, Y, Z"
+                ));
             }
             sequence.clone_into(&mut self.angles.sequence);
         }
@@ -88,7 +90,9 @@ impl Settings {
             Some("true") => FromGeoms::Always,
             Some("false") => FromGeoms::Never,
             Some("auto") => FromGeoms::WhereNoneIsStated,
-            Some(word) => return Err(format!("inertiafromgeom=\"{word}\" is no choice; write true, false or auto")),
+            Some(word) => {
+                return Err(format!("inertiafromgeom=\"{word}\" is not a valid value; write true, false or auto"));
+            }
         };
         self.least_mass = number(item, "boundmass")?.unwrap_or(self.least_mass);
         self.least_inertia = number(item, "boundinertia")?.unwrap_or(self.least_inertia);
@@ -101,19 +105,19 @@ impl Settings {
         Ok(())
     }
 
-    /// Whether a range holds: by its own word, or, where that is `auto`, because it is there.
+    /// Whether a range is active: as stated, or, if that is `auto`, because it exists.
     pub fn limited(&self, item: &Item, attribute: &str, stated: bool) -> Result<bool, String> {
         match item.get(attribute) {
             Some("true") => Ok(true),
             Some("false") => Ok(false),
             None | Some("auto") => {
                 if stated && !self.auto_limits {
-                    // MuJoCo refuses a range that nobody says holds or not, where it may not guess.
+                    // Without autolimits MuJoCo refuses a range that does not state whether it is active.
                     return Ok(false);
                 }
                 Ok(stated)
             }
-            Some(word) => Err(format!("{attribute}=\"{word}\" is no choice; write true, false or auto")),
+            Some(word) => Err(format!("{attribute}=\"{word}\" is not a valid value; write true, false or auto")),
         }
     }
 

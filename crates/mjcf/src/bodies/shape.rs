@@ -1,4 +1,4 @@
-//! Geoms: what is seen, what collides, and the mass that they give.
+//! Geoms: visuals, collisions, and their mass.
 
 use super::{At, Reader, Stand};
 use crate::Files;
@@ -16,7 +16,7 @@ use std::rc::Rc;
 /// kg/m³, where a geom states neither density nor mass.
 const WATER: f64 = 1000.0;
 
-/// Geoms of higher groups are hidden unless somebody asks for them.
+/// Geoms of higher groups are hidden by default.
 const LAST_SHOWN_GROUP: f64 = 2.0;
 
 /// A geom.
@@ -25,7 +25,7 @@ pub struct Shape {
     pub name: Option<String>,
     /// In the body's frame.
     pub pose: Pose,
-    /// What URDF calls it; `None` where it has no such shape.
+    /// The URDF shape; `None` where URDF has none.
     pub geometry: Option<Geometry>,
     pub seen: bool,
     pub collides: bool,
@@ -45,7 +45,7 @@ struct Mesh {
     refpos: Vector3<f64>,
     refquat: Rotation3<f64>,
     inside: Inside,
-    /// What the model holds itself.
+    /// The mesh data in the model itself.
     own: Option<Triangles>,
 }
 
@@ -101,7 +101,9 @@ impl<'a> Reader<'a> {
                 Some("convex") => Inside::Hull,
                 Some("shell") => Inside::Nothing,
                 Some(word) => {
-                    return Err(format!("inertia=\"{word}\" is no choice; write convex, exact, legacy or shell"));
+                    return Err(format!(
+                        "inertia=\"{word}\" is not a valid value; write convex, exact, legacy or shell"
+                    ));
                 }
             };
             Ok(Mesh { file, scale, refpos, refquat, inside, own: own_triangles(&resolved)? })
@@ -123,7 +125,7 @@ impl<'a> Reader<'a> {
         shape.mass = shape.mass.map(|mass| mass.placed(&stand.body_from_here));
         if shape.geometry.is_none() {
             let text = format!("<body name=\"{}\">{}</body>", denavit_model::write::escaped(&owner), resolved.xml());
-            self.keep_as(item, text, "URDF has no such shape; nothing is seen or touched of it");
+            self.keep_as(item, text, "URDF has no such shape; it is neither drawn nor collides");
         }
         self.bodies[stand.body].shapes.push(shape);
     }
@@ -184,7 +186,7 @@ impl<'a> Reader<'a> {
                 (None, Some(solid([size[0], size[1], size[2]])))
             }
             "mesh" => {
-                let name = item.get("mesh").ok_or("is of type mesh and names none; write mesh=\"…\"")?;
+                let name = item.get("mesh").ok_or("is of type mesh but names no mesh; write mesh=\"…\"")?;
                 let Some(found) = self.meshes.assets.get(name).cloned() else {
                     let near = nearest_name(name, self.meshes.assets.keys().map(String::as_str));
                     let advice = near.map_or("define it in <asset>".into(), |near| format!("did you mean \"{near}\"?"));
@@ -195,7 +197,7 @@ impl<'a> Reader<'a> {
             "plane" | "hfield" | "sdf" => (None, None),
             _ => {
                 return Err(format!(
-                    "type=\"{word}\" is no shape; write sphere, capsule, ellipsoid, cylinder, box, mesh or plane"
+                    "type=\"{word}\" is not a shape; write sphere, capsule, ellipsoid, cylinder, box, mesh or plane"
                 ));
             }
         };
@@ -241,7 +243,7 @@ impl<'a> Reader<'a> {
                 }
                 Some(Err(why)) => {
                     let what = format!(
-                        "its mass is not known here: mesh \"{name}\" {why}; put the file there, or give the body an <inertial>"
+                        "its mass is not known here: mesh \"{name}\" {why}; add the file, or give the body an <inertial>"
                     );
                     self.note(item, what);
                 }
@@ -310,7 +312,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The triangles that a model holds itself.
+/// The triangles in a model itself.
 fn own_triangles(item: &Item) -> Result<Option<Triangles>, String> {
     let Some(vertices) = numbers(item, "vertex", 12..=usize::MAX)? else { return Ok(None) };
     let Some(faces) = numbers(item, "face", 3..=usize::MAX)? else { return Ok(None) };
@@ -322,7 +324,7 @@ fn own_triangles(item: &Item) -> Result<Option<Triangles>, String> {
         )]
         let at = index as usize * 3;
         let found = vertices.get(at..at + 3).map(|v| Vector3::new(v[0], v[1], v[2]));
-        found.ok_or_else(|| format!("face names vertex {index}, which is not there; count from 0"))
+        found.ok_or_else(|| format!("face names vertex {index}, which does not exist; count from 0"))
     };
     let triangles = faces.chunks_exact(3).map(|f| Ok([corner(f[0])?, corner(f[1])?, corner(f[2])?]));
     Ok(Some(triangles.collect::<Result<_, String>>()?))
@@ -346,5 +348,5 @@ fn solid_of(found: &Mesh, files: &mut Files) -> Result<Solid, String> {
             corners.swap(1, 2);
         }
     }
-    mesh::solid(&triangles, found.inside).map_err(|why| format!("gives none: {why}"))
+    mesh::solid(&triangles, found.inside).map_err(|why| format!("has no usable volume: {why}"))
 }

@@ -12,7 +12,7 @@ const MARGIN: f64 = 1e-12;
 /// The least moment of inertia that MuJoCo takes along axes that it finds itself, with room, kg·m².
 const LEAST_MOMENT: f64 = 1e-13;
 
-/// What becomes of an inertia.
+/// How an inertia is written.
 pub enum Choice {
     /// Written as it is: attributes.
     AsItIs(String),
@@ -37,7 +37,7 @@ pub fn written(inertial: &Inertial, fix: bool) -> Choice {
     let shown = format!("{a:.4e}, {b:.4e}, {c:.4e} kg·m²");
     if !is_possible([a, b, c]) && !fix {
         return Choice::Refused(format!(
-            "no body has the principal moments of inertia {shown}: the two smaller ones together are to be at least the largest; \
+            "no body can have the principal moments of inertia {shown}: the sum of the two smaller ones must be at least the largest; \
              correct the inertia, or write the nearest possible one with ‹fix-inertia›"
         ));
     }
@@ -54,7 +54,7 @@ pub fn written(inertial: &Inertial, fix: bool) -> Choice {
     let tensor = eigen.eigenvectors * Matrix3::from_diagonal(&moments) * eigen.eigenvectors.transpose();
     let by = (tensor - inertial.tensor).norm() / inertial.tensor.norm();
     let why = format!(
-        "MuJoCo refuses the principal moments {shown}; they are raised, which changes the tensor by {by:.0e} of itself"
+        "MuJoCo refuses the principal moments {shown}; they are raised, a relative change of the tensor of {by:.0e}"
     );
     Choice::Changed(attributes(inertial, &((tensor + tensor.transpose()) / 2.0)), why)
 }

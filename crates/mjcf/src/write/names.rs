@@ -1,4 +1,4 @@
-//! Names that stand once among their kind.
+//! Names that are unique among their kind.
 
 use std::collections::HashSet;
 

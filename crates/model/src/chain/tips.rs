@@ -1,6 +1,6 @@
-//! Several tips of one tree: all joints in one list, and for each tip those that are on the way to it.
+//! Several tips of one tree: one list of all joints, and for each tip the joints on the path to it.
 //!
-//! With every screw axis in the base frame, a joint that is not on the way to a tip simply has no part in where that tip is:
+//! With every screw axis in the base frame, a joint that is not on the path to a tip does not affect its pose:
 //! base_from_tip(q) is the product of exponentials over its own joints, base to tip, times its own home pose.
 
 use super::{Chain, ChainError, ChainJoint};
@@ -14,23 +14,23 @@ pub struct Tip {
     pub name: String,
     /// base_from_tip with every joint value 0.
     pub home: Pose,
-    /// For each joint of all, whether it is on the way to this tip.
+    /// For each joint, whether it is on the path to this tip.
     pub joints: Vec<bool>,
-    /// For each coordinate of all, whether it moves one of those.
+    /// For each coordinate, whether it moves one of these joints.
     pub coordinates: Vec<bool>,
 }
 
-/// The tips of a tree that are measured: one at least, all of them from one base.
+/// The measured tips of a tree: at least one, all with the same base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tips(Vec<Tip>);
 
-/// Why chains make no tree.
+/// Why chains do not form a tree.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TipsError {
     /// Two chains start at different links.
     #[error(
-        "tip \"{tip}\" is reached from \"{base}\", tip \"{first}\" from \"{first_base}\"; name one link for all by ‹base›"
+        "the chain to tip \"{tip}\" starts at \"{base}\", that to tip \"{first}\" at \"{first_base}\"; set ‹base› to one link for all tips"
     )]
     Bases {
         /// A tip.
@@ -45,10 +45,10 @@ pub enum TipsError {
     /// A tip is named twice.
     #[error("tip \"{0}\" is named twice; name each tip once")]
     Twice(String),
-    /// The ways to two tips have a joint of one name that is not one joint.
+    /// The paths to two tips have different joints of the same name.
     #[error(
-        "joint \"{joint}\" moves tip \"{tip}\" otherwise than the tips before it: they part between a turn and a slide that \
-         are one screw joint; calibrate them one by one"
+        "joint \"{joint}\" moves tip \"{tip}\" in another way than the tips before it: the chains branch between a rotation and \
+         a translation that are one screw joint; calibrate these tips one at a time"
     )]
     Joint {
         /// The joint.
@@ -59,10 +59,10 @@ pub enum TipsError {
 }
 
 impl Chain {
-    /// The joints on the ways from one base to several tips, each once and none before what carries it, and the tips.
+    /// The joints on the paths from one base to several tips, each once and after the joint that carries it, and the tips.
     ///
-    /// The result's own tip and home pose are those of the first chain, its tip's name tells of all. Axis points stay where the
-    /// single chains have them. Of one chain it is that chain.
+    /// The result's own tip and home pose are those of the first chain; its tip's name lists all tips. Axis points stay where the
+    /// single chains have them. For a single chain the result is that chain.
     ///
     /// # Errors
     /// The chains have different bases, a tip is named twice, or a joint differs from one chain to another.
@@ -142,7 +142,7 @@ impl Tips {
         self.0.iter().position(|tip| tip.name == name)
     }
 
-    /// For each joint of all, the joint that carries it; none for those that stand on the base.
+    /// For each joint, the joint that carries it; `None` for those on the base.
     pub fn carriers(&self) -> Vec<Option<usize>> {
         let before = |tip: &Tip, joint: usize| (0..joint).rev().find(|&other| tip.joints[other]);
         let joints = self.0.first().map_or(0, |tip| tip.joints.len());
@@ -150,7 +150,7 @@ impl Tips {
         (0..joints).map(|joint| before(on_the_way(joint)?, joint)).collect()
     }
 
-    /// Whether joint `first` carries joint `other`, which may be itself: both are on the way to one tip, `first` not after
+    /// Whether joint `first` carries joint `other`, which may be itself: both are on the path to one tip, `first` not after
     /// `other`.
     pub fn carries(&self, first: usize, other: usize) -> bool {
         first <= other && self.0.iter().any(|tip| tip.joints[first] && tip.joints[other])
@@ -166,7 +166,7 @@ impl std::ops::Index<usize> for Tips {
 }
 
 impl Tip {
-    /// The joints on the way to it, base to tip.
+    /// The joints on the path to it, base to tip.
     pub fn on_the_way(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joints.len()).filter(|&joint| self.joints[joint])
     }
@@ -243,6 +243,9 @@ mod tests {
         let robot = urdf::read("two.urdf", TWO_ARMS).unwrap();
         let from_chest = robot.chain(Some("chest"), Some("r1"), Reading::Intended).unwrap().value;
         let message = Chain::joined(&left, &[from_chest]).unwrap_err().to_string();
-        assert!(message.starts_with("tip \"r1\" is reached from \"chest\", tip \"l2\" from \"base\""), "{message}");
+        assert!(
+            message.starts_with("the chain to tip \"r1\" starts at \"chest\", that to tip \"l2\" at \"base\""),
+            "{message}"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! Many configurations: the lanes are configurations, all of them doing the same.
+//! Many configurations: each lane is a configuration, and all lanes run the same instructions.
 
 use super::blocks::{Block, Gap};
 use super::frames::Twist;
@@ -41,7 +41,7 @@ impl<S: Simd> Frames<S> {
         }
     }
 
-    /// Behind Rz(turn) T(x, y, slide) Rx(alpha).
+    /// This frame followed by Rz(turn) T(x, y, slide) Rx(alpha).
     #[inline(always)]
     fn stepped(self, (cosine, sine): Turns<S>, slide: Option<S::f64s>, gap: &Gap) -> Self {
         let Self { x, y, z, mut origin } = self;
@@ -80,7 +80,7 @@ fn reached<S: Simd>(simd: S, chain: &CompiledChain, q: &[f64], first: usize, cou
     walked(simd, chain, q, first, count, |_, _, _| {})
 }
 
-/// The same; `visit` sees each joint's axis and a point on it on the way.
+/// The same; calls `visit` with each joint's axis and a point on it.
 #[inline(always)]
 fn walked<S: Simd>(
     simd: S,

@@ -7,7 +7,7 @@ use crate::screw::Screw;
 /// Joints in a block: as many angles as the widest vector holds.
 pub(crate) const JOINTS: usize = 8;
 
-/// What stands between one joint's axis and the next, behind the joint's turn and its slide along z.
+/// The constant step from one joint's axis to the next, after the joint's turn and its slide along z.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gap {
     /// Offset along x, m.
@@ -41,7 +41,7 @@ pub(crate) struct Block {
     pub along: [f64; JOINTS],
     /// Quarter turns added to the angle.
     pub quarters: [u64; JOINTS],
-    /// Cosine and sine of what else is added to the angle.
+    /// Cosine and sine of the rest of the angle's offset.
     pub rest_cosine: [f64; JOINTS],
     pub rest_sine: [f64; JOINTS],
     /// Whether any of these is not zero.
@@ -67,7 +67,7 @@ impl Block {
         rates: [Rate { coordinate: 0, turning: 0.0, sliding: 0.0 }; JOINTS],
     };
 
-    /// The joints with the steps behind them, in blocks.
+    /// The joints and the steps that follow them, in blocks.
     pub fn all(joints: &[ChainJoint], steps: &[(f64, Step)]) -> Vec<Self> {
         joints.chunks(JOINTS).zip(steps.chunks(JOINTS)).map(|(joints, steps)| Self::of(joints, steps)).collect()
     }

@@ -6,21 +6,21 @@ use crate::se3::{self, Pose};
 use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// Directions closer than this to parallel or square (rad) are so but for rounding.
+/// Directions closer than this to parallel or perpendicular (rad) are so up to rounding.
 ///
-/// Each frame is measured from the one before as it really came out, so what is dropped does not add up.
+/// Each frame is measured from the actual frame before it, so dropped errors do not accumulate.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Above this sine of the angle between neighbours the next frame's origin is moved along its axis until the offset
 /// along y vanishes. Below, the place where it does would be far away and cost digits.
 const OBLIQUE: f64 = 0.1;
 
-/// How the next axis lies to this one.
+/// Relation of the next axis to this one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Twist {
     /// Parallel: alpha = 0.
     Parallel,
-    /// Square: alpha = π/2.
+    /// Perpendicular: alpha = π/2.
     Square,
     /// Any angle between.
     Oblique {
@@ -31,12 +31,12 @@ pub(crate) enum Twist {
     },
 }
 
-/// The way from one frame to the next, but for the joint: Rz(theta) T(offset) Rx(alpha).
+/// The step from one frame to the next, without the joint: Rz(theta) T(offset) Rx(alpha).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step {
     /// Whole quarter turns of theta, 0 to 3.
     pub quarters: u64,
-    /// Cosine and sine of what is left of theta, in \[-π/4, π/4\].
+    /// Cosine and sine of the remainder of theta, in \[-π/4, π/4\].
     pub rest: (f64, f64),
     /// Offset in the frame turned by theta, m: along x (the length a), y (mostly 0), z (the offset d).
     pub offset: [f64; 3],
@@ -44,7 +44,7 @@ pub(crate) struct Step {
     pub twist: Twist,
 }
 
-/// Start, one step behind each joint, and the turn about z from the last frame to the tip's.
+/// The start, one step after each joint, and the turn about z from the last frame to the tip's.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frames {
     pub start: Pose,

@@ -1,7 +1,7 @@
 //! Numbers of sines and cosines by quarter turns: an angle is reduced in two parts of π/2, then polynomials take what is left,
 //! on \[-π/4, π/4\].
 
-/// Beyond this angle, rad, the reduction loses digits and the standard library is asked instead.
+/// Beyond this angle, rad, the reduction loses digits and the standard library is used instead.
 pub const LARGEST_REDUCED: f64 = 1e5;
 
 /// Leading 33 bits of π/2: its product with a quarter count below 2^20 is exact.

@@ -20,11 +20,11 @@ struct ReadLiteral {
     read_as: String,
     /// rad.
     change: f64,
-    /// Reach that lay behind us when it was met, m.
+    /// Length of the path up to this literal, m.
     reach_before: f64,
 }
 
-/// A chain in the making.
+/// A chain under construction.
 pub(super) struct Assembly<'a> {
     robot: &'a Robot,
     placed: &'a PlacedRobot<'a>,
@@ -86,7 +86,7 @@ impl<'a> Assembly<'a> {
         Ok(Noted { value: chain, notes })
     }
 
-    /// parent_from_child of a joint; what was read otherwise than it is written is noted.
+    /// parent_from_child of a joint; adds a note for what was read differently from what is written.
     fn origin(&mut self, joint: usize) -> Pose {
         let read = self.placed.origin(joint);
         for (written, angle) in &read.reread {
@@ -127,7 +127,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Notes an axis that is read as another direction than is written. It turns what the joint does, at most by twice
+    /// Adds a note for an axis that is read as a direction other than the written one. The joint's motion turns by at most twice
     /// the angle between the two.
     fn axis(&mut self, index: usize) {
         let joint = &self.robot.joints[index];
@@ -172,7 +172,7 @@ impl<'a> Assembly<'a> {
             self.push(format!("{}{part}", joint.name), screw, coordinate, sign, 0.0);
         }
         let place = self.robot.joint_place(index);
-        let what = format!("planar joint: stands as \"{0}_x\", \"{0}_y\" (m) and \"{0}_yaw\" (rad)", joint.name);
+        let what = format!("planar joint: becomes \"{0}_x\", \"{0}_y\" (m) and \"{0}_yaw\" (rad)", joint.name);
         self.notes.push(Note::Split { place, what });
     }
 
@@ -208,7 +208,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// One helical joint for two neighbours, and the constant motion of what hangs behind them.
+/// One helical joint for two neighbours, and the constant motion of what follows them.
 fn joined(one: &ChainJoint, other: &ChainJoint) -> Option<(ChainJoint, Pose)> {
     let (turn, line, slide) = match (one.screw, other.screw) {
         (Screw::Revolute(line), Screw::Prismatic(_)) => (one, line, other),

@@ -1,10 +1,10 @@
-//! Where an arm ends that carries a hand: the fingers are no part of it.
+//! Where an arm that carries a hand ends: its fingers do not belong to the arm.
 
 use super::Step;
 use crate::placed::PlacedRobot;
 use crate::robot::Joint;
 
-/// An arm has at least this many joints above its hand; with fewer, what branches is the robot itself.
+/// An arm has at least this many joints above its hand; with fewer, the robot itself branches.
 const AN_ARM: usize = 3;
 
 /// The moving joints on the longest way below each link.

@@ -1,4 +1,4 @@
-//! Whether everything in the file is understood, in one walk beside the reader.
+//! Checks in one pass, separate from the reader, that everything in the file is understood.
 
 use super::known::{self, Known};
 use super::{DRAKE, element_of};
@@ -9,7 +9,7 @@ use crate::robot::SourceText;
 use roxmltree::{Attribute, Node, NodeType};
 use std::collections::HashMap;
 
-/// What is understood is counted, what is not has its place.
+/// Counts what is understood and records the place of what is not.
 #[derive(Default)]
 pub(super) struct Account {
     understood: usize,
@@ -23,7 +23,7 @@ struct Unknown {
     owner: String,
     /// What it is, with its value.
     what: String,
-    /// What becomes of it and what to do; `None` where a note of the reader says so already.
+    /// What is done with it and what to do; `None` where a note of the reader already says so.
     note: Option<String>,
     /// What it is, without its value: there is one note for all that are of one kind.
     kind: String,
@@ -85,7 +85,7 @@ impl Account {
         let advice = match near {
             Some(near) => format!("did you mean {near}?"),
             None if known.places => format!(
-                "what it places or moves may be meant elsewhere; write {} instead, or remove it",
+                "it may state a pose or a motion that is missing here; write {} instead, or remove it",
                 listed(known.attributes)
             ),
             None => "remove it, or correct its name".to_owned(),
@@ -107,20 +107,20 @@ impl Account {
             _ if xacro => "it is xacro that was not expanded".to_owned(),
             Some(near) => format!("did you mean <{near}>?"),
             None if tag == "origin" => {
-                format!("<{}> has no place of its own, so that nothing is moved by it", known.tag)
+                format!("<{}> has no pose of its own, so this moves nothing", known.tag)
             }
             None if known.tag == "geometry" => format!(
                 "the shape is unknown here; known are {}",
                 known.children.iter().map(|known| known.tag).collect::<Vec<_>>().join(", ")
             ),
             None if known.places => "if it says where something is or how it moves, that is missing here".to_owned(),
-            None => "if it says more than comments do, that is missing here".to_owned(),
+            None => "if it is more than a comment, what it states is missing here".to_owned(),
         };
         self.unknown.push(Unknown {
             at: node.range().start,
             owner: owner_of(node),
             what: format!("<{tag}> in <{}>", known.tag),
-            note: Some(format!("is not understood: it is kept as it is and changes nothing here; {advice}")),
+            note: Some(format!("is not understood: it is kept unchanged and has no effect here; {advice}")),
             kind: format!("<{tag}> in <{}>", known.tag),
         });
     }
@@ -181,7 +181,7 @@ impl Account {
     }
 }
 
-/// This many kinds of things have a note of their own.
+/// At most this many kinds of things get their own note.
 const KINDS: usize = 20;
 /// Longer ones are cut in notes.
 const SHOWN: usize = 120;

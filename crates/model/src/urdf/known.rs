@@ -1,4 +1,4 @@
-//! What the reader knows of a URDF, element by element: what it understands, and what it only keeps.
+//! What the reader knows about each URDF element: what it understands, and what it only keeps.
 
 /// An element that the reader understands.
 pub(super) struct Known {
@@ -12,7 +12,7 @@ pub(super) struct Known {
     pub children: &'static [&'static Known],
     /// Elements in it that it keeps whole: they do not say how the robot moves, or [`crate::posed`] reads where they sit.
     pub carried: &'static [&'static str],
-    /// Whether it says where something is or how it moves: whatever is not understood in it may put that elsewhere.
+    /// Whether it states a pose or a motion: anything in it that is not understood may change that.
     pub places: bool,
     /// Whether only the first of several counts.
     pub once: bool,
@@ -112,7 +112,7 @@ pub(super) fn vocabulary(path: &[&str]) -> Option<(Vec<&'static str>, Vec<&'stat
     Some((attributes, children))
 }
 
-/// The whole file. What closes a loop is carried and noted: see [`crate::loops`].
+/// The whole file. What closes a loop is kept and noted: see [`crate::loops`].
 pub(super) static ROBOT: Known = Known {
     children: &[&LINK, &JOINT],
     carried: &[

@@ -1,4 +1,4 @@
-//! What a robot says beside links and joints: what is in `<gazebo>` is SDF and goes back where it belongs.
+//! Elements other than links and joints: what is in `<gazebo>` is SDF and goes back to its original place.
 
 use super::names::Names;
 use crate::known::{JOINT, LINK, MODEL};
@@ -13,7 +13,7 @@ use std::collections::{BTreeSet, HashSet};
 /// Attributes of URDF's `<dynamics>` that are elements of SDF's.
 pub(crate) const DYNAMICS: [&str; 4] = ["damping", "friction", "spring_reference", "spring_stiffness"];
 
-/// Elements beside links and joints.
+/// Elements other than links and joints.
 pub(crate) struct Further<'a> {
     /// In a link: its name, the element.
     links: Vec<(&'a str, Element)>,
@@ -79,11 +79,7 @@ impl<'a> Further<'a> {
                     (Some(_), Some(link), _) if in_link => further.links.push((&link.name, child)),
                     _ => {
                         let what = format!("<{tag}> in {}", element.label());
-                        further.lost.push((
-                            element.at,
-                            what,
-                            "it is a word of URDF's own for Gazebo, not of SDF".into(),
-                        ));
+                        further.lost.push((element.at, what, "it exists only in URDF's <gazebo>, not in SDF".into()));
                     }
                 }
             }
@@ -106,7 +102,7 @@ impl<'a> Further<'a> {
             if *name != wanted {
                 let what = format!("name of {} \"{wanted}\" in gazebo", node.tag);
                 let why =
-                    format!("names of links, joints and frames are one set in SDF: it is called \"{name}\" there");
+                    format!("names of links, joints and frames must be unique in SDF: it is called \"{name}\" there");
                 self.lost.push((at, what, why));
             }
         }
@@ -123,7 +119,7 @@ impl<'a> Further<'a> {
         self.model.iter().filter(|element| wanted(element.tag())).map(write::element).collect()
     }
 
-    /// What is in a link beside what is merged into its inertial and shapes.
+    /// What is in a link, except what is merged into its inertial and shapes.
     pub fn of_link(&self, link: &str, visuals: &[Shape], collisions: &[Shape]) -> Vec<String> {
         let named = |shapes: &[Shape], element: &Element| {
             shapes.iter().any(|shape| shape.name.as_deref() == element.attribute("name"))
@@ -138,7 +134,7 @@ impl<'a> Further<'a> {
         own.map(write::element).collect()
     }
 
-    /// What is in a joint beside what is merged into its axis.
+    /// What is in a joint, except what is merged into its axis.
     pub fn of_joint(&self, joint: &str) -> Vec<String> {
         let own = self.joints.iter().filter(|(name, element)| *name == joint && element.tag() != "axis");
         own.map(|(_, element)| write::element(element)).collect()
@@ -188,7 +184,7 @@ impl<'a> Further<'a> {
         found.into_iter().filter(|prefix| !["xml", "xmlns"].contains(prefix)).map(str::to_owned).collect()
     }
 
-    /// What SDF has no place for.
+    /// What SDF cannot state.
     pub fn losses(&mut self, robot: &Robot) -> Vec<Loss> {
         let lost = std::mem::take(&mut self.lost).into_iter();
         lost.map(|(at, what, why)| Loss { place: robot.source.place(at, what.clone()), what, why }).collect()

@@ -1,4 +1,4 @@
-//! Names: links, joints and frames of an SDF model share one set of them.
+//! Names: they must be unique among links, joints and frames of an SDF model.
 
 use super::Part;
 use super::scopes::{SEPARATOR, Scopes};
@@ -7,7 +7,7 @@ use denavit_model::formats::Loss;
 use denavit_model::{Joint, Robot};
 use std::collections::HashSet;
 
-/// What links and joints are called in the SDF.
+/// The names of links and joints in the SDF.
 pub(crate) struct Names {
     pub links: Vec<String>,
     pub joints: Vec<String>,
@@ -15,7 +15,7 @@ pub(crate) struct Names {
 
 impl Names {
     pub fn of(robot: &Robot, parts: &[Part], scopes: &Scopes) -> Self {
-        // A model in the model is called otherwise than what stands beside it.
+        // A nested model must have another name than its siblings.
         let mut known: HashSet<String> = scopes.all().cloned().chain(["world".to_owned()]).collect();
         let allowed = |name: &str, tag: &str| {
             let scope = scopes.around(name);
@@ -36,13 +36,13 @@ impl Names {
         Self { links, joints: joints.collect() }
     }
 
-    /// What is called otherwise than in the robot, of what is written.
+    /// Written elements whose name differs from that in the robot.
     pub fn losses(&self, robot: &Robot, parts: &[Part]) -> Vec<Loss> {
         let why = |name: &String| {
             let why = if name.contains("__") {
                 "\"::\" separates models"
             } else {
-                "names of links, joints and frames are one set"
+                "names of links, joints and frames must be unique"
             };
             format!("{why} in SDF: it is called \"{name}\" there")
         };
@@ -63,7 +63,7 @@ impl Names {
     }
 }
 
-/// A name that SDF allows: none of its own, and without its separator of scopes.
+/// A name that SDF allows: not a reserved one, and without its scope separator.
 fn allowed(name: &str, tag: &str) -> String {
     let name = name.replace("::", "__");
     if name.is_empty() || name == "world" || name.starts_with("__") && name.ends_with("__") {

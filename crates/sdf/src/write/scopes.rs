@@ -1,4 +1,4 @@
-//! Models in the model: links called `MODEL::LINK` stand in a `<model>` of their own where SDF's rules of names let them.
+//! Nested models: links called `MODEL::LINK` go into their own `<model>` where SDF's naming rules allow it.
 
 use denavit_model::{JointKind, Robot};
 use std::collections::BTreeSet;
@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 /// Between the name of a model and that of what is in it.
 pub(crate) const SEPARATOR: &str = "::";
 
-/// Models that stand in the model, by their whole names, outer ones before inner ones.
+/// Nested models by their full names, outer ones before inner ones.
 pub(crate) struct Scopes(BTreeSet<String>);
 
 impl Scopes {
-    /// A model is one where everything inside names nothing outside: a joint called as its joints are joins two of its links, and
+    /// A group is a model if nothing inside refers to anything outside: a joint named like its joints connects two of its links, and
     /// follows none but its own; one joint at most, of the model around it, carries one of its links.
     pub fn of(robot: &Robot) -> Self {
         let names = robot.links.iter().flat_map(|link| {

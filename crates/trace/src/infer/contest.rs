@@ -1,14 +1,15 @@
-//! Scores of sets of effects by products alone: geometry, frames, curves and unnamed structure are taken out of the
-//! candidates' products once (a Schur complement), and then a set costs a Cholesky factor of as many unknowns as it has.
+//! Scores sets of candidate effects from inner products of columns alone. Geometry, frames, curves and unexplained structure are
+//! eliminated once (a Schur complement); each set then costs one Cholesky factor of its own size.
 //!
-//! With S what is left of the candidates' products and r of those with the data, P the prior precision of the coefficients,
-//! Q what is left of the data and σ² at its maximum:
+//! After the elimination, S are the products of the candidates' columns, r their products with the data, and Q the square of the
+//! data. P is the prior precision of the coefficients, Λ that of the eliminated parameters, M = Λ + their products. With σ² at its
+//! maximum:
 //!
 //! ```text
 //! 2 log p(y | set) = -N log((Q - rᵀ(S+P)⁻¹r)/N) - log|S+P| + log|P| - log|M| + log|Λ|
 //! ```
-//! S, r, Q and the last two terms hang on which curves and which structure are in the model, and how large they may be: a
-//! *setting*. Each set is scored at the setting that suits it best.
+//! S, r, Q and the last two terms depend on the *setting*: which curves and which structure are in the model, and their prior
+//! variances. A set's score is that at its best setting.
 
 use crate::infer::evidence::{System, waves_seen};
 use crate::infer::gram::Gram;
@@ -23,22 +24,22 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
-/// Logarithm of the odds against a curve of a joint, as [`crate::infer::curves`] demands them: 1 in 100.
+/// Logarithm of the prior odds against a curve of a joint, as in [`crate::infer::curves`]: 1 in 100.
 const CURVE: f64 = 4.6;
-/// Logarithm of the odds against a cause that the catalogue does not hold: 1 in 10 000, or it would stand for those that it
-/// does hold.
+/// Logarithm of the prior odds against a cause outside the catalogue: 1 in 10 000; with less it would replace causes that the
+/// catalogue has.
 const UNNAMED: f64 = 9.2;
-/// Rounds of single changes from one start; a round without a gain ends it.
+/// Largest number of single changes from one start; the search ends earlier if no change improves the score.
 const MOST_ROUNDS: usize = 12;
-/// Sets this far behind the best hold no mass worth counting.
+/// Sets this far behind the best have negligible mass.
 const BEHIND: f64 = 30.0;
-/// Beyond this the product of several ratios might be no number.
+/// Beyond this a product of several ratios might overflow.
 const LARGE: f64 = 1e150;
 /// Scores that differ by no more are the same.
 const ROUNDING: f64 = 1e-9;
-/// What holds geometry and frames where the rows do not, beside rows that do.
+/// Added precision that holds geometry and frames if the rows do not determine them.
 const HELD: f64 = 1e-9;
-/// Settings at most: each costs a factor of all that is not a candidate.
+/// Largest number of settings: each costs a factorisation of everything except the candidates.
 const MOST_SETTINGS: usize = 60;
 
 /// A candidate among the plain columns.
@@ -48,23 +49,23 @@ pub struct Member {
     pub columns: Range<usize>,
     /// Logarithm of its prior odds against being absent.
     pub log_odds: f64,
-    /// Its prior is no wider than this precision says.
+    /// Its prior precision is at least this.
     pub least_precision: f64,
 }
 
-/// Structure without a name: columns that may be in the model together, one of several sizes expected of them.
+/// Unexplained structure: columns that are in the model together, with one of several prior variances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unnamed {
     /// Its columns.
     pub columns: Vec<usize>,
 }
 
-/// How many times the variance of unit information a cause may be expected to have.
+/// Prior variance of a cause, as multiples of the unit-information variance.
 const WIDTHS: [f64; 5] = [1.0, 10.0, 100.0, 1e3, 1e4];
-/// What a structure is expected to do to one value, in units of the noise, squared; column by column.
+/// Prior variance of a structure's contribution to one value, in units of the noise; column by column.
 pub const SIZES: [f64; 4] = [1e-3, 1e-2, 1e-1, 1.0];
 
-/// What is in the model beside geometry, frames and named effects.
+/// What is in the model besides geometry, frames and candidates: curves and unexplained structure.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Setting {
     /// For each curve: 0, or one more than the index of its kernel.
@@ -73,32 +74,32 @@ pub struct Setting {
     pub unnamed: Option<(usize, usize)>,
 }
 
-/// All that sets are judged by.
+/// Everything needed to score sets.
 #[derive(Debug, Clone)]
 pub struct Contest<'a> {
     /// Columns of geometry and frames.
     pub always: usize,
     /// Prior precision of the plain columns; of candidates and structure on its diagonal.
     pub precision: &'a DMatrix<f64>,
-    /// What the prior pulls the plain columns by.
+    /// Gradient of the prior for the plain columns.
     pub pull: &'a [f64],
     /// Its cost at the present state.
     pub charge: f64,
     /// Waves of each curve.
     pub waves: &'a [Waves],
-    /// Their means over the rows, which are held to nothing.
+    /// Their means over the rows, which are constrained to 0.
     pub means: &'a [Vec<f64>],
-    /// How firmly.
+    /// Precision of that constraint.
     pub firm: &'a [f64],
     /// Kernels that each curve may have.
     pub kernels: &'a [Vec<Kernel>],
-    /// Structures without a name.
+    /// Unexplained structures.
     pub unnamed: &'a [Unnamed],
     /// The candidates.
     pub members: &'a [Member],
 }
 
-/// Candidates with everything else of a setting taken out.
+/// The candidates' products after elimination of everything else in a setting.
 #[derive(Debug, Clone)]
 pub struct Marginal {
     /// Products of all candidates' columns.
@@ -111,7 +112,7 @@ pub struct Marginal {
     count: f64,
 }
 
-/// Geometry, frames, curves and structure of a setting: which columns, their products with the prior, and what they must bring.
+/// Geometry, frames, curves and structure of a setting: their columns, their products plus the prior, and their prior odds.
 struct Fixed {
     index: Vec<usize>,
     /// Lower triangle, row by row.
@@ -121,7 +122,7 @@ struct Fixed {
     odds: f64,
 }
 
-/// Every set seen, with its score at the setting that suits it best, and which that is.
+/// Every set seen, with its best score and the setting of that score.
 pub type Seen = BTreeMap<Vec<usize>, (f64, usize)>;
 
 impl Contest<'_> {
@@ -135,7 +136,7 @@ impl Contest<'_> {
         let mut index: Vec<usize> = (0..self.always).collect();
         let mut prior = vec![0.0; self.always];
         let mut log_prior = 0.0;
-        // What a curve and an unnamed structure must bring beside what they explain.
+        // Prior odds of curves and unexplained structure.
         let mut odds = 0.0;
         if let Some((structure, size)) = setting.unnamed {
             odds -= UNNAMED + ((self.unnamed.len() * SIZES.len()) as f64).ln();
@@ -154,7 +155,7 @@ impl Contest<'_> {
                 let from = index.len();
                 let mut sum = 0.0;
                 let variances = self.kernels[curve][kernel].variances(waves);
-                // Of waves that the data do not see prior and posterior are the same.
+                // Prior and posterior are equal for waves that the data do not determine.
                 let seen = waves_seen(&variances, |wave| gram.cell(first + wave, first + wave));
                 for (offset, (variance, _)) in variances.into_iter().take(seen).enumerate() {
                     index.push(first + offset);
@@ -193,14 +194,14 @@ impl Contest<'_> {
         Fixed { index, matrix, right, log_prior, odds }
     }
 
-    /// Takes everything of a setting out of the candidates; `None` where the system is not positive.
+    /// Eliminates everything of a setting from the candidates' products; `None` if the system is not positive definite.
     ///
-    /// A part of the run may lack a setup of the instrument, or have too little of it: what places it is then held where it is.
+    /// A part of the run may have no or too few rows of a setup: the instrument is then held in its place.
     pub fn ground(&self, gram: &Gram, setting: &Setting) -> Option<Marginal> {
         self.ground_held(gram, setting, 0.0).or_else(|| self.ground_held(gram, setting, HELD))
     }
 
-    /// The same with so much more on the diagonal of geometry and frames, whose own is 1.
+    /// The same with `more` added to the diagonal of geometry and frames, which is scaled to 1.
     fn ground_held(&self, gram: &Gram, setting: &Setting, more: f64) -> Option<Marginal> {
         let Fixed { index, mut matrix, right, log_prior, odds } = self.held(gram, setting);
         let size = index.len();
@@ -240,7 +241,7 @@ impl Contest<'_> {
         self.asked(set).score(ground, &mut Vec::new())
     }
 
-    /// What a set asks of a setting.
+    /// The columns and priors of a set, to be scored at a setting.
     fn asked(&self, set: &[usize]) -> ColumnSet {
         // Members' columns follow each other among the candidates' products.
         let first = self.members.first().map_or(0, |member| member.columns.start);
@@ -255,7 +256,7 @@ impl Contest<'_> {
         asked
     }
 
-    /// The model of a set at a setting, its prior as wide as suits it: what is needed to say what it predicts.
+    /// The model of a set at a setting, with the best width of its prior, for predictions.
     pub fn system(&self, gram: &Gram, (ground, setting): (&Marginal, &Setting), set: &[usize]) -> (Vec<usize>, System) {
         let asked = self.asked(set);
         let at = |width: f64| (asked.at_width(ground, width, &mut Vec::new()), width);
@@ -280,20 +281,20 @@ impl Contest<'_> {
         (held.index, System { matrix, right: held.right, square: gram.square + self.charge, count: gram.count })
     }
 
-    /// The score of a set at the setting that suits it best.
+    /// The score of a set at its best setting.
     pub fn best<'g>(&self, grounds: impl IntoIterator<Item = &'g Marginal>, set: &[usize]) -> (f64, usize) {
         let (asked, mut room) = (self.asked(set), Vec::new());
         let scores = grounds.into_iter().enumerate().map(|(index, ground)| (asked.score(ground, &mut room), index));
         scores.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
     }
 
-    /// From each start, the best single change after the other: add, drop, swap. Every set on the way is kept.
+    /// Hill climbing from each start by the best single change: add, drop or swap a member. Every set on the way is kept.
     pub fn climbed<'s>(&self, grounds: &[Marginal], starts: impl IntoIterator<Item = &'s Vec<usize>>) -> Seen {
         self.way(grounds, starts, Some(Seen::new())).seen.unwrap_or_default()
     }
 
-    /// The best set that is found in this way, where changes of a set are scored at the setting alone that suits it. Of the others nothing is kept,
-    /// so that scores need not be worked out which are no better than that of the set that was changed. Where no setting can be solved nothing is found.
+    /// The best set found in this way, with changes scored only at the best setting of the set that is changed. Other sets are not kept, so
+    /// scores that are no better than the present one need not be computed. Empty if no setting can be solved.
     pub fn best_from(&self, grounds: &[Marginal], starts: &[Vec<usize>]) -> Vec<usize> {
         if grounds.is_empty() {
             return Vec::new();
@@ -313,7 +314,7 @@ impl Contest<'_> {
         way
     }
 
-    /// The same from one start, as far as no other has been.
+    /// The same from one start, until it meets the path of another.
     fn hill_climb(&self, grounds: &[Marginal], way: &mut Visited, start: &[usize]) {
         let mut set = start.to_vec();
         set.sort_unstable();
@@ -335,7 +336,7 @@ impl Contest<'_> {
                     (key, set, swapping) = (way.key_after(key, change), change.of(&set), false);
                     (here, at) = self.scored(grounds, way, (&set, key));
                 }
-                // Swaps are many: they wait until nothing else helps.
+                // There are many swaps: they are tried only if nothing else helps.
                 None if swapping => break,
                 None => swapping = true,
             }
@@ -353,8 +354,8 @@ impl Contest<'_> {
         (scored.0, (!all_kept).then_some(scored.1))
     }
 
-    /// Scores all sets that differ from one, with its key and score, by a member added or dropped, or else by one changed for another, at one
-    /// setting or at that of all which suits best. Where the sets on the way are not kept, what is no better has any score that is no better.
+    /// Scores all sets that differ from one set (given with key and score) by one member added or dropped, or by one member swapped, at one
+    /// setting or at the best of all. If the sets on the way are not kept, a set that is no better may get any score that is no better.
     fn looked_at(
         &self,
         (grounds, at): (&[Marginal], Option<usize>),
@@ -393,8 +394,8 @@ impl Contest<'_> {
         scores
     }
 
-    /// The scores of a set after each of these changes, at the setting that suits it best: what the set takes is taken out once, and what a
-    /// member alone took is given back. Where a score is not above `least`, it may be any that is not.
+    /// The scores of a set after each of these changes, at its best setting: the set is eliminated once, and a dropped member's share is
+    /// restored. A score that is not above `least` may be replaced by any other that is not.
     fn changed(
         &self,
         grounds: &[Marginal],
@@ -415,7 +416,7 @@ impl Contest<'_> {
         };
         let odds: Vec<f64> = changes.iter().map(odds).collect();
         let at_ground = |ground: &Marginal| -> Vec<f64> {
-            // What may be left of the data where a score is above the least, but for determinants.
+            // Largest square of the data that remains if a score is above `least`, determinants ignored.
             let most_left: Vec<f64> = odds.iter().map(|odds| ground.most_left(least - odds)).collect();
             let (mut best, mut room) = (vec![f64::NEG_INFINITY; changes.len()], Vec::new());
             for &width in own.widths_near(ground, &mut room) {
@@ -449,7 +450,7 @@ impl Contest<'_> {
         (0..changes.len()).map(best).collect()
     }
 
-    /// Settings to begin with: every curve with one of its kernels or none, one curve less, structure of every size beside.
+    /// Initial settings: every curve with one of its kernels or none, one curve less, and structure of every size.
     fn first_settings(&self) -> Vec<Setting> {
         let most = self.kernels.iter().map(Vec::len).max().unwrap_or(0);
         let mut settings = vec![self.bare()];
@@ -466,9 +467,9 @@ impl Contest<'_> {
         settings
     }
 
-    /// Searches from several starts, and finds the settings that suit the sets which matter.
+    /// Searches from several starts, and finds the best settings of the probable sets.
     ///
-    /// Returns every set seen, and the settings with what they leave of the candidates.
+    /// Returns every set seen, and the settings with the candidates' products after elimination.
     pub fn run(&self, gram: &Gram, starts: &[Vec<usize>]) -> (Seen, Vec<(Marginal, Setting)>) {
         let mut settings: Vec<Setting> = Vec::new();
         let mut grounds: Vec<Marginal> = Vec::new();
@@ -499,7 +500,7 @@ impl Contest<'_> {
                 break;
             }
         }
-        // All that matters at the last settings, too.
+        // All probable sets at the last settings, too.
         let most = seen.values().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
         let mut near: Vec<(&Vec<usize>, &mut (f64, usize))> =
             seen.iter_mut().filter(|(_, scored)| scored.0 > most - 2.0 * BEHIND).collect();
@@ -513,8 +514,8 @@ impl Contest<'_> {
         (seen, grounds.into_iter().zip(settings).collect())
     }
 
-    /// Adds settings that are not among those known, with what they leave of the candidates, as long as there are not too many; where each of
-    /// them is.
+    /// Adds settings that are not yet known, with the candidates' products after elimination, up to the largest number; returns the index of
+    /// each.
     fn add(
         &self,
         gram: &Gram,
@@ -574,20 +575,20 @@ enum Known {
     AtMost(f64),
 }
 
-/// Where searches have been.
+/// Records of a search: scores and sets that were visited.
 struct Visited {
-    /// What each member asks of a setting.
+    /// Columns and priors of each member.
     members: Vec<ColumnSet>,
-    /// A random number for each member; those of a set, combined by exclusive or, are its key. That two sets share one is not to be expected.
+    /// A random number for each member; a set's key is the exclusive or of its members' numbers. Collisions are negligible.
     keys: Vec<u64>,
-    /// The same for each ground: what is known of a set at this one alone has the set's key combined with it.
+    /// The same for each ground: scores at a single ground are stored under the set's key combined with that number.
     keys_of_grounds: Vec<u64>,
     /// Of every set that was scored.
     scores: HashMap<u64, Known>,
     /// Sets that changes were made from.
     been: HashSet<u64>,
     best: Option<(f64, Vec<usize>)>,
-    /// Every set that was scored, where that is asked for.
+    /// Every set that was scored, if requested.
     seen: Option<Seen>,
 }
 
@@ -607,7 +608,7 @@ impl Visited {
         [change.out, change.into].into_iter().flatten().fold(key, |key, member| key ^ self.keys[member])
     }
 
-    /// The score of a set, where it was worked out, or any that is not above `least` where the score is not.
+    /// The score of a set, if known; a score that is not above `least` may be replaced by any other that is not.
     fn score_above(&self, key: u64, least: f64) -> Option<f64> {
         match *self.scores.get(&key)? {
             Known::Exactly(score) => Some(score),
@@ -615,7 +616,7 @@ impl Visited {
         }
     }
 
-    /// Keeps the score of a set and the setting that suits it; where it is not above `least`, it may be any that is not.
+    /// Stores the score and the best setting of a set; a score that is not above `least` may be replaced by any other that is not.
     fn keep(&mut self, key: u64, scored: (f64, usize), least: f64, set: impl Fn() -> Vec<usize>) {
         self.scores.insert(key, if scored.0 > least { Known::Exactly(scored.0) } else { Known::AtMost(least) });
         if self.best.as_ref().is_none_or(|(most, _)| scored.0 > *most) {
@@ -638,30 +639,30 @@ impl Change {
     }
 }
 
-/// What it costs that the width of the prior of so many coefficients is chosen.
+/// Penalty for choosing the width of the prior of this number of coefficients.
 fn price_of_width(columns: usize) -> f64 {
     if columns == 0 { 0.0 } else { (WIDTHS.len() as f64).ln() }
 }
 
-/// The columns of a set, and what is expected of them.
+/// The columns of a set, and their priors.
 struct ColumnSet {
     /// Among the candidates' products.
     columns: Vec<usize>,
-    /// Of each column the precision that unit information gives, and the least.
+    /// For each column the unit-information precision, and the least precision.
     precisions: Vec<(f64, f64)>,
     /// Logarithm of the set's prior odds.
     odds: f64,
 }
 
 impl ColumnSet {
-    /// Prior precision of a coefficient. A cause may be far stronger than what one row shows of it: its prior is as
-    /// wide as suits it (the g of Zellner's prior by empirical Bayes; George, Foster 2000), one width for all.
+    /// Prior precision of a coefficient. A cause may be far stronger than what one row shows of it, so the width of the prior is
+    /// chosen by empirical Bayes (the g of Zellner's prior; George, Foster 2000), one width for all.
     fn precision(&self, column: usize, width: f64) -> f64 {
         let (unit, least) = self.precisions[column];
         (unit / width).max(least)
     }
 
-    /// The score at a setting, the prior as wide as suits it, less the price of choosing that; `room` is used again.
+    /// The score at a setting with the best width of the prior, less the penalty for that choice; `room` is a reused buffer.
     fn score(&self, ground: &Marginal, room: &mut Vec<f64>) -> f64 {
         if self.columns.is_empty() {
             return ground.score(0.0, 0.0) + self.odds;
@@ -670,7 +671,7 @@ impl ColumnSet {
         best - price_of_width(self.columns.len())
     }
 
-    /// The widths that may suit the set after a single change: that which suits it now, and those beside it. Where the set is nothing, all.
+    /// The widths to try after a single change: the present best and its neighbours; all if the set is empty.
     fn widths_near(&self, ground: &Marginal, room: &mut Vec<f64>) -> &'static [f64] {
         if self.columns.is_empty() {
             return &WIDTHS;
@@ -688,7 +689,7 @@ impl ColumnSet {
         explained.map_or(f64::NEG_INFINITY, |own| ground.score(own.drop, own.log_determinant()) + self.odds)
     }
 
-    /// How much the columns explain, of what these closures give of S and r; none where the system is not positive.
+    /// How much the columns explain, with S and r from these closures; `None` if the system is not positive definite.
     fn explained(
         &self,
         width: f64,
@@ -696,12 +697,12 @@ impl ColumnSet {
         right: impl Fn(usize) -> f64,
         room: &mut Vec<f64>,
     ) -> Option<Explained> {
-        // Cholesky's factor of S + P, row by row, and L⁻¹ r behind it.
+        // Cholesky's factor of S + P, row by row, followed by L⁻¹ r.
         let count = self.columns.len();
         room.clear();
         room.resize(count * (count + 1), 0.0);
         let (rows, halves) = room.split_at_mut(count * count);
-        // The logarithm of a product is taken, before that is too large.
+        // The logarithm is taken of a product, before it overflows.
         let (mut drop, mut log_determinant, mut ratios) = (0.0, 0.0, 1.0_f64);
         for i in 0..count {
             let precision = self.precision(i, width);
@@ -729,7 +730,8 @@ impl ColumnSet {
     }
 }
 
-/// How much columns explain, and what they cost: log |S + P| - log |P|, of a part the exponential, for logarithms cost most of it.
+/// How much columns explain, and their cost log |S + P| - log |P|; a part of it is kept as its exponential, as logarithms take most
+/// of the time.
 struct Explained {
     drop: f64,
     log_determinant: f64,
@@ -742,7 +744,7 @@ impl Explained {
     }
 }
 
-/// What the columns of a set take of all candidates' products, at one setting and one width of the prior: [`Marginal`] beside that set.
+/// All candidates' products after elimination of a set, at one setting and one width of the prior: the [`Marginal`] given that set.
 struct Downdated<'a> {
     set: &'a ColumnSet,
     ground: &'a Marginal,
@@ -755,15 +757,15 @@ struct Downdated<'a> {
     left: Remainder,
 }
 
-/// What is left of all candidates' products beside a set.
+/// All candidates' products after elimination of a set.
 #[derive(Clone)]
 struct Remainder {
-    /// Of each column what the set leaves of its square and of its product with the data.
+    /// For each column, its square and its product with the data after elimination of the set.
     square: Vec<f64>,
     right: Vec<f64>,
     /// And of its product with the column before it: most causes have one column or two.
     before: Vec<f64>,
-    /// What has been given back of the shares, column by column.
+    /// Shares that were restored, column by column.
     given_back: Vec<f64>,
     drop: f64,
     log_determinant: f64,
@@ -834,8 +836,8 @@ impl Remainder {
 }
 
 impl Downdated<'_> {
-    /// What is left without some of the set's columns, these places in it. What they take beyond the others are the shares along their
-    /// columns of L⁻¹, made orthogonal; that is given back, where the other columns are of interest. None where the system is not positive.
+    /// The same without some of the set's columns, given by their places in it. What they take beyond the others is the share along their
+    /// columns of L⁻¹, made orthogonal; it is restored for the other columns that are needed. `None` if the system is not positive definite.
     fn leaving_out(&self, places: Range<usize>, others: bool) -> Option<Remainder> {
         let (all, count) = (self.ground.width, self.pivots.len());
         let mut left = if others { self.left.clone() } else { self.left.bare() };
@@ -880,8 +882,8 @@ impl Downdated<'_> {
         Some(left)
     }
 
-    /// The score with more columns beside what is left, but for prior odds; -∞ where more is left of the data than `most_left`. `room` is used
-    /// again.
+    /// The score with more columns, without prior odds; -∞ if the square of the data that remains is above `most_left`. `room` is a reused
+    /// buffer.
     fn with(&self, left: &Remainder, other: &ColumnSet, most_left: f64, room: &mut Vec<f64>) -> f64 {
         let (all, of) = (self.ground.width, |i: usize| other.columns[i]);
         // A member's columns follow each other.
@@ -905,20 +907,20 @@ impl Downdated<'_> {
 }
 
 impl Marginal {
-    /// Where candidates explain so much more, at the price of these determinants.
+    /// The score if candidates explain so much more, with these determinants.
     fn score(&self, drop: f64, determinants: f64) -> f64 {
         let left = (self.left - drop) / self.count;
         if left <= 0.0 { f64::NEG_INFINITY } else { self.base - 0.5 * (self.count * left.ln() + determinants) }
     }
 
-    /// What may be left of the data where a score is above this one without determinants.
+    /// Largest square of the data that remains if a score is above this one, determinants ignored.
     fn most_left(&self, score: f64) -> f64 {
-        // A little more, for rounding.
+        // A margin for rounding.
         self.count * (2.0 * (self.base + ROUNDING - score) / self.count).exp()
     }
 }
 
-/// The set with the best score; none where there is no set.
+/// The set with the best score; empty if there is none.
 pub fn best_of(seen: &Seen) -> Vec<usize> {
     seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map_or_else(Vec::new, |(set, _)| set.clone())
 }
@@ -941,7 +943,7 @@ pub fn rivals_of_best(seen: &Seen) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 impl<'a> Contest<'a> {
-    /// Candidates beside so many columns of geometry and nothing else.
+    /// Candidates with this number of columns of geometry and nothing else.
     pub(super) fn of_plain(always: usize, precision: &'a DMatrix<f64>, pull: &'a [f64], members: &'a [Member]) -> Self {
         Contest {
             always,

@@ -1,5 +1,5 @@
-//! Joint error curves, fitted together with geometry, frames and the effects that are known: linearise, maximise the marginal
-//! likelihood, step, and again.
+//! Joint error curves, fitted together with geometry, frames and known effects: linearise, maximise the marginal likelihood, step,
+//! repeat.
 
 mod channel_misfit;
 
@@ -33,30 +33,30 @@ use std::ops::Range;
 
 /// The fastest wave of a curve has this many periods per turn; a slide: as many over its range. Time grows with its cube.
 const HIGHEST_ORDER: f64 = 60.0;
-/// Measured values for each number of the model, at least. With fewer a wave only repeats the prior, at the cube's cost.
+/// Smallest number of measured values per parameter. With fewer, a wave only repeats the prior, and the cost grows with the cube.
 const VALUES_PER_NUMBER: usize = 6;
-/// A curve has at least this many waves, twenty periods over its range: what it cannot follow would be missing from its band, and a
-/// periodic error that is faster would have no curve to beat before it is named. Curves of six joints then cost less than those of four hundred positions.
+/// A curve has at least this many waves, twenty periods over its range: its band does not cover faster errors, and a faster periodic
+/// error would be named without a curve as its rival. Curves of six joints then cost less than those of four hundred positions.
 const FEWEST_WAVES: usize = 48;
-/// Linearisations, at most: one may go to leaving out curves; after that the second changes little, the third hardly
-/// anything, but where an effect bends the model.
+/// Largest number of linearisations: one may only leave out curves; after that the second changes little, and the third hardly
+/// anything unless an effect makes the model nonlinear.
 const ROUNDS: usize = 10;
 /// A round that gains less than this changes no probability by a tenth.
 const CONVERGED: f64 = 0.1;
-/// Nor does one count that gains less than this times the root of the number of values: the noise then changes by a quarter
-/// of its standard deviation, and rows at the edge of being outliers come and go. The step of that round is taken still.
+/// A round also ends the iteration if it gains less than this times the root of the number of values: the noise then changes by a
+/// quarter of its standard deviation, and borderline outliers come and go. The step of that round is still taken.
 const CONVERGED_NOISE: f64 = 0.25;
-/// Stretches of the run that each part of it is made of, where there are parts: enough that no part lacks what was moved
-/// one after the other, and each long beside the time over which a run's errors are alike.
+/// Number of stretches of the run in each part, if there are parts: enough that each part has rows of everything that was moved in
+/// turn, and each long compared with the correlation time of the errors.
 const STRETCHES: usize = 4;
 /// A step is not cut shorter than this share of it.
 const LEAST_SHARE: f64 = 0.1;
-/// The mean of a curve is held to a thousandth of what the noise would let one see.
+/// The mean of a curve is constrained to a thousandth of what is detectable in the noise.
 const FIRM: f64 = 1e6;
-/// One clean file in a hundred may show a curve.
+/// Accepted share of clean files that show a curve: one in a hundred.
 const FALSE_CURVES: f64 = 0.01;
 
-/// How curves are sought.
+/// Options of the search for curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveOptions {
     /// Share of clean files in which a curve may be shown.
@@ -76,16 +76,16 @@ pub struct CurveFit {
     pub fit: Fit<EffectModel>,
     /// Logarithm of the marginal likelihood.
     pub score: f64,
-    /// For each curve by how much it raises that.
+    /// For each curve, its increase of that.
     pub gains: Vec<f64>,
-    /// The same for what joints give under gravity beside the curves: the last effects of the model.
+    /// The same for deflections of joints under gravity: the last effects of the model.
     pub deflections: Vec<f64>,
-    /// How the curves are unsure.
+    /// Uncertainty of the curves.
     pub modes: CurveModes,
 }
 
-/// Fits a curve for each moving joint beside `fit`, and what joints give under gravity (`deflection`); what the data do not
-/// ask for is left out.
+/// Adds to `fit` a curve for each moving joint and the deflections of joints under gravity (`deflection`); those that the data do not
+/// support are left out.
 ///
 /// # Shape and units
 /// `reference`: the arm that the geometric fit started from, see [`denavit_identify::solve::fit`].
@@ -99,7 +99,7 @@ pub fn fit_curves(
     with_threads(|| fit_curves_near(survey, data, fit, reference, *options, &[]))
 }
 
-/// As [`fit_curves`], where curves of a similar model are known: the search begins with them, too.
+/// As [`fit_curves`], if curves of a similar model are known: the search also starts from them.
 pub(crate) fn fit_curves_near(
     survey: &Survey,
     data: &Measurements,
@@ -124,17 +124,17 @@ pub(crate) fn fit_curves_near(
     })
 }
 
-/// A state with the hyperparameters that it was fitted with, and how its numbers are unsure where the last step was taken.
+/// A state with its hyperparameters, and the posterior of its parameters at the last step.
 struct Converged {
     state: State,
     hyper: Hyperparameters,
     posterior: Option<Posterior>,
 }
 
-/// Every part of the first step leads out of what is linear.
+/// No part of the first step stays in the linear range.
 struct NoStep;
 
-/// Rounds from a state on until the score converges: `None` where no curve is asked for, or the system cannot be solved.
+/// Iterates from a state until the score converges: `None` if no curve is supported, or the system cannot be solved.
 fn until_converged(
     data: &Measurements,
     mut state: State,
@@ -163,12 +163,12 @@ fn until_converged(
             posterior = None;
             continue;
         }
-        // Each round is in units of its own noise: the score of the values themselves.
+        // Each round is in units of its own noise: this is the score of the values in m and rad.
         let score = here.score + round.units();
         let said = here.posterior();
         let enough = CONVERGED.max(CONVERGED_NOISE * (round.linear.values() as f64).sqrt());
         if !round.step(data, &mut state, (&hyper, &said), enough) {
-            // Numbers that the rows hardly tell apart lead out of what is linear here: the state before is the last that is any good.
+            // Parameters that the rows hardly distinguish leave the linear range here: the state before is the last valid one.
             if posterior.is_none() {
                 return Err(NoStep);
             }
@@ -186,7 +186,7 @@ fn until_converged(
     Ok(found.map(|(_, hyper)| Converged { state, hyper, posterior }))
 }
 
-/// The fit with the deflections that the data ask for beside curves, as yet all 0, and the hyperparameters beside them.
+/// The fit with the deflections that the data support next to curves, all 0 at first, and the hyperparameters with them.
 fn with_deflections(
     survey: &Survey,
     data: &Measurements,
@@ -210,7 +210,7 @@ fn with_deflections(
 /// The model at one point of the iteration.
 pub(super) struct State {
     pub(super) fit: Fit<EffectModel>,
-    /// How many of its effects are causes; what joints give under gravity comes after them.
+    /// How many of its effects are causes; deflections under gravity come after them.
     causes: usize,
     /// Joints that have a curve.
     pub(super) joints: Vec<usize>,
@@ -264,7 +264,7 @@ impl State {
 }
 
 impl Converged {
-    /// The fit with the covariance and noise of the whole model. From number `first` on its effects are what joints give under gravity.
+    /// The fit with the covariance and noise of the whole model. From index `first` on, its effects are deflections under gravity.
     fn finish(self, data: &Measurements, reference: &Arm, first: usize) -> Option<CurveFit> {
         let Self { mut state, hyper, posterior: last } = self;
         let round = Round::new(data, &state, reference);
@@ -292,8 +292,8 @@ impl Converged {
     }
 }
 
-/// Which curves raise the score by more than chance would in one clean file of those allowed. The best of a variance and a
-/// length gains more than g by chance with probability e^-g (half a χ² of two degrees of freedom, and half nothing at all).
+/// Which curves raise the score by more than chance does at the accepted false alarm rate. By chance, the best variance and length gain
+/// more than g with a probability of e^-g (half a χ² of two degrees of freedom, and half nothing at all).
 fn asked_for(
     model: &Model<'_>,
     here: &Slope,
@@ -319,7 +319,7 @@ fn asked_for(
     (Hyperparameters { log_noise: hyper.log_noise, kernels }, kept)
 }
 
-/// A linearisation with the columns of the model that are laid over its rows.
+/// A linearisation with the columns of the model in its rows.
 pub(super) struct Laid {
     pub(super) linear: Linear,
     /// Geometry and frames, then effects: those of the fit, or candidates and other columns.
@@ -374,11 +374,11 @@ impl Laid {
 /// One linearisation with its products.
 pub(super) struct Round {
     pub(super) linear: Linear,
-    /// What is to be explained, the plain columns and those of the curves' joints.
+    /// The residual, the plain columns and those of the curves' joints.
     pub(super) explained: Vec<f64>,
     pub(super) plain: Vec<Vec<f64>>,
     pub(super) joints: Vec<Vec<f64>>,
-    /// The values in units of which everything is, summed logarithms.
+    /// Logarithms of the values' noise levels, the units of everything here, summed.
     log_units: f64,
     /// Of all values.
     pub(super) gram: Gram,
@@ -397,7 +397,7 @@ pub(super) struct Round {
     pub(super) firm: Vec<f64>,
     /// For each curve the variance, rad² or m², at which it is as large as the noise.
     visible: Vec<f64>,
-    /// For each curve what is expected of it where no rows are.
+    /// For each curve its prior in gaps between rows.
     gaps: Vec<Vec<f64>>,
 }
 
@@ -407,8 +407,8 @@ impl Round {
         Self::beside(data, state, reference, None, &[], 1)
     }
 
-    /// The same with candidates and other columns in the place of the state's effects, products by part of the run: stretches
-    /// of rows are dealt to the parts in turn.
+    /// The same with candidates and other columns instead of the state's effects, and products by part of the run: stretches
+    /// of rows are assigned to the parts in turn.
     ///
     /// # Shape and units
     /// `others`: in units of the noise, as [`linearise`] has them at this state.
@@ -430,7 +430,7 @@ impl Round {
         let Laid { linear, plain, joints, always, candidates: ranges } =
             Laid::of(data, &fit, &state.joints, reference, candidates, others);
         let values = linear.values();
-        // Effects and curves enter with what they are, not with how they change.
+        // Effects and curves enter with their values, not with their changes.
         let mut explained: Vec<f64> = linear.residual.rows(0, values).iter().copied().collect();
         let coefficients = fit.effects.effects.iter().flat_map(|effect| effect.coefficients.iter().copied());
         for (index, coefficient) in coefficients.enumerate() {
@@ -465,7 +465,7 @@ impl Round {
             rows: &linear.rows,
             weights: &linear.weights,
         };
-        // What repeats a posture is of the part of the first row that took it.
+        // Repeats of a posture belong to the part of its first row.
         let stands = if parts > 1 { data.first_of_posture() } else { Vec::new() };
         let stretches = in_stretches(data.len(), parts);
         let part_of = |row: usize| stretches(stands[row]);
@@ -495,7 +495,7 @@ impl Round {
         }
     }
 
-    /// What the score lacks to be that of the values in m and rad.
+    /// Difference between the score in units of the noise and that of the values in m and rad.
     fn units(&self) -> f64 {
         -self.log_units
     }
@@ -515,7 +515,7 @@ impl Round {
         }
     }
 
-    /// The comparison of sets of these members, beside curves with these kernels and beside structure.
+    /// The comparison of sets of these members, with curves of these kernels and with structure.
     pub(super) fn contest<'a>(
         &'a self,
         kernels: &'a [Vec<Kernel>],
@@ -553,7 +553,7 @@ impl Round {
             .collect()
     }
 
-    /// Writes how unsure each curve is over its range.
+    /// Writes the uncertainty of each curve over its range.
     fn spread_into(&self, state: &mut State, posterior: &Posterior, hyper: &Hyperparameters) {
         let mut first = self.gram.plain;
         for ((curve, kernel), range) in state.fit.effects.curves.iter_mut().zip(&hyper.kernels).zip(&state.ranges) {
@@ -563,7 +563,7 @@ impl Round {
         }
     }
 
-    /// The curves as the posterior has them; how unsure they are is not in them yet.
+    /// The curves at the posterior mean, without their uncertainty as yet.
     fn curves(&self, state: &State, posterior: &Posterior, hyper: &Hyperparameters) -> Vec<Curve> {
         let mut first = self.gram.plain;
         let mut curves = Vec::new();
@@ -583,7 +583,7 @@ impl Round {
         curves
     }
 
-    /// The hyperparameters of known curves, where there are any; a joint that has none among them has none.
+    /// The hyperparameters of known curves, if any; joints without a known curve get a zero curve.
     fn known(&self, state: &State, near: &[Curve]) -> Option<Hyperparameters> {
         let kernel = |(index, joint): (usize, &usize)| {
             let own = near.iter().find(|curve| curve.joint == *joint);
@@ -594,7 +594,7 @@ impl Round {
         (!near.is_empty()).then_some(Hyperparameters { log_noise: 0.0, kernels })
     }
 
-    /// What the columns' numbers are at the present state: no step of geometry and frames, the effects' and the curves' own.
+    /// The columns' coefficients at the present state: 0 for geometry and frames, the present values of effects and curves.
     fn numbers(&self, state: &State) -> Vec<f64> {
         let mut numbers = vec![0.0; self.always];
         numbers.extend(state.fit.effects.effects.iter().flat_map(|effect| &effect.coefficients));
@@ -606,8 +606,8 @@ impl Round {
         numbers
     }
 
-    /// Takes the state to the posterior's mean, with its noise and its outliers, or some part of the way there. Where each part makes the cost
-    /// larger by more than `enough` the state stays, and the answer is no.
+    /// Moves the state to the posterior's mean, with its noise and its outliers, or a fraction of that step. Returns false, and keeps the
+    /// state, if every fraction increases the cost by more than `enough`.
     fn step(
         &self,
         data: &Measurements,
@@ -620,7 +620,7 @@ impl Round {
         let order = self.layout_order(state);
         let had = self.numbers(state);
         let fit = &mut state.fit;
-        // Beside the misfit the prior counts: what is expected in gaps is new where there was no curve before.
+        // The prior counts next to the misfit: the prior in gaps is new for a curve that did not exist before.
         let cost = |squares: &[[f64; 2]], numbers: &[f64]| {
             let kept = squares.iter().zip(&fit.weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0);
             let chi: f64 =
@@ -628,7 +628,7 @@ impl Round {
             chi * (-hyper.log_noise).exp() + model.cost(hyper, numbers)
         };
         let before = cost(&ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm), &had);
-        // What is linear here need not be so at the end of a long step: half of it, then.
+        // The model may not be linear over a long step: the step is halved then.
         let mut share = 1.0;
         let (arm, effects, squares) = loop {
             if share < LEAST_SHARE {
@@ -659,7 +659,7 @@ impl Round {
             share *= 0.5;
         };
         (fit.arm, fit.effects) = (arm, effects);
-        // Noise of each channel from what is left over the values that are left.
+        // Noise of each channel: remaining squares over remaining degrees of freedom.
         let channel_misfits = self.channel_misfits(data, state, (posterior, &curves), (-hyper.log_noise).exp());
         let fit = &mut state.fit;
         let mut levels = fit.noise.levels.clone();
@@ -680,7 +680,7 @@ pub(super) fn borrowed(columns: &[Vec<f64>]) -> Vec<&[f64]> {
     columns.iter().map(Vec::as_slice).collect()
 }
 
-/// Products by part of the run, as rows are dealt to so many parts.
+/// Products by part of the run.
 pub(super) fn by_part(
     columns: &Columns<'_>,
     waves: &[Waves],
@@ -712,13 +712,13 @@ pub(super) fn by_part(
     in_parallel(&(0..parts).collect::<Vec<usize>>(), of_part)
 }
 
-/// Stretches of rows are dealt to the parts in turn.
+/// Stretches of rows are assigned to the parts in turn.
 pub(super) fn in_stretches(rows: usize, parts: usize) -> impl Fn(usize) -> usize {
     let stretch = rows.div_ceil(STRETCHES * parts).max(1);
     move |row| (row / stretch) % parts
 }
 
-/// The levels of noise in units of which the values are, summed logarithms.
+/// Logarithms of the values' noise levels, summed.
 fn log_units(linear: &Linear, noise: &Noise) -> f64 {
     let level = |(channel, weight): (&usize, &f64)| {
         let level = noise.levels.get(*channel).copied().unwrap_or(1.0);
@@ -740,7 +740,7 @@ fn mean_of(waves: &Waves, readings: &[f64]) -> Vec<f64> {
     sums
 }
 
-/// Standard deviation of a curve over its range: what the waves' posterior says, and what the waves leave out of the kernel.
+/// Standard deviation of a curve over its range: that of the waves' posterior, and the kernel's part that the waves leave out.
 fn spread(
     posterior: &Posterior,
     first: usize,
@@ -763,7 +763,7 @@ fn spread(
         .collect()
 }
 
-/// Prior of the plain columns about the present state: precision, pull, charge, log |Λ| of the effects.
+/// Prior of the plain columns about the present state: precision, gradient, penalty, and log |Λ| of the effects.
 fn prior(
     linear: &Linear,
     fit: &Fit<EffectModel>,
@@ -789,7 +789,7 @@ fn prior(
     let holding = frame.transpose() * frame;
     let mut block = precision.view_mut((0, 0), (geometry, geometry));
     block += holding;
-    // Unit information: an effect is expected as large as one measured value in the mean tells it, if that is less than machines give.
+    // Unit information: the prior has the precision of one average measured value, but no larger variance than machines have.
     let mut log_precision = 0.0;
     let values = linear.values() as f64;
     for (offset, column) in plain[geometry..].iter().enumerate() {

@@ -1,8 +1,8 @@
-//! What joints give under gravity, beside their error curves.
+//! Deflections of joints under gravity, fitted together with error curves.
 //!
-//! A joint's torque is a smooth function of all readings, and most of it one of the joint's own: curves that stand alone take it
-//! over, and are wrong wherever the other joints stand otherwise than in the rows. So every joint may give under gravity where
-//! curves are fitted, with masses that nobody knows; the marginal likelihood says which joints do.
+//! A joint's torque is a smooth function of all readings, and mostly of its own: a curve alone absorbs it, and is wrong at other
+//! readings of the other joints than in the rows. So a deflection of every joint, with unknown masses, is fitted together with the
+//! curves; the marginal likelihood selects the joints that have one.
 
 use crate::infer::evidence::Model;
 use crate::infer::maximum::{self, ROUGH};
@@ -21,20 +21,19 @@ use denavit_measurements::Measurements;
 use denavit_model::nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Measured values for each number of the model with all joints giving, at least.
+/// Smallest number of measured values per parameter of the model with deflections of all joints.
 const VALUES_PER_NUMBER: usize = 8;
-/// What each part of a joint's torque is expected to turn it by where gravity acts fully across its axis, rad. Parts that the rows
-/// hardly tell apart then do not grow against each other, nor those of a joint whose axis stands nearly upright in all rows.
+/// Prior standard deviation of the deflection by each part of a joint's torque, with gravity perpendicular to its axis, rad. It keeps
+/// parts that the rows hardly distinguish from growing against each other, and those of a joint whose axis is nearly vertical in all rows.
 const EXPECTED: f64 = 1e-3;
-/// So many of the weakest joints are looked at closely when one is to be taken out.
+/// Number of the weakest joints that are compared exactly before one is removed.
 const WEAKEST: usize = 2;
-/// Where blocks raise the score by so many times what is asked, other hyperparameters without them do not make up for it.
+/// If blocks raise the score by this multiple of the threshold, a new choice of hyperparameters cannot replace them.
 const FAR: f64 = 10.0;
-/// A prior this many times as firm makes a number nothing.
+/// A prior with this multiple of the precision makes a parameter 0.
 const NOTHING: f64 = 1e12;
 
-/// The fit with every joint giving under gravity, as yet by nothing, that has no compliance in the model; none where the values
-/// are too few.
+/// The fit with a deflection, 0 at first, of every joint that has no compliance in the model; `None` if there are too few values.
 pub(super) fn all(survey: &Survey, fit: &Fit<EffectModel>) -> Option<Fit<EffectModel>> {
     let compliant = |joint: usize| {
         fit.effects
@@ -66,17 +65,17 @@ pub(crate) fn with_terms(fit: &Fit<EffectModel>, terms: impl Iterator<Item = Ter
     with
 }
 
-/// What is expected of an effect's number.
+/// Prior of an effect's coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Expected {
-    /// As much as one measured value in the mean tells it, and this precision at least.
+    /// The precision of one average measured value (unit information), but at least this.
     UnitInformation(f64),
-    /// As much as one measured value in the mean tells it, or as much as it is by now, if that is more: a cause may be far stronger than what
-    /// one value shows of it (the g of Zellner's prior by empirical Bayes; George, Foster 2000).
+    /// Unit information, or the present size if that is larger: a cause may be far stronger than what one value shows of it (the g of
+    /// Zellner's prior by empirical Bayes; George, Foster 2000).
     OrAsNow(f64),
 }
 
-/// What is expected of the numbers of all effects, of which the first so many are causes; deflections come after them.
+/// Priors of all effects' coefficients: first those of the causes, then those of the deflections.
 pub(super) fn expected(model: &EffectModel, causes: usize) -> Vec<Expected> {
     let of_gravity = (model.statics.masses.gravity.norm() / EXPECTED).powi(2);
     let (causes, deflections) = model.effects.split_at(causes);
@@ -85,7 +84,7 @@ pub(super) fn expected(model: &EffectModel, causes: usize) -> Vec<Expected> {
     of_causes.chain(of_deflections.map(|_| Expected::UnitInformation(of_gravity))).collect()
 }
 
-/// Columns of each effect from number `first` of the model on, where so many of geometry and frames come first.
+/// Columns of each effect from index `first` on, after those of geometry and frames.
 pub(super) fn columns(always: usize, effects: &EffectModel, first: usize) -> Vec<Range<usize>> {
     let mut end = always;
     let mut ranges = Vec::new();
@@ -96,10 +95,10 @@ pub(super) fn columns(always: usize, effects: &EffectModel, first: usize) -> Vec
     ranges.split_off(first)
 }
 
-/// Which of these blocks of columns raise the score by more than `least` each, the hyperparameters chosen anew without them.
+/// Which of these blocks of columns raise the score by more than `least` each, compared with new hyperparameters without them.
 ///
-/// Those that do not are taken out one by one. What a block raises the score by where the hyperparameters are is the most that it does:
-/// they are chosen anew for the [`WEAKEST`] alone, once no block goes without that. The last ones come back, too.
+/// The others are removed one by one. A block's gain at fixed hyperparameters is an upper bound of its true gain: new hyperparameters are
+/// found only for the [`WEAKEST`], once no block falls below `least` without that. The last hyperparameters are returned, too.
 pub(super) fn asked_for(
     model: &Model<'_>,
     blocks: &[Range<usize>],
@@ -134,7 +133,7 @@ pub(super) fn asked_for(
             let reached = maximum::from_near(&under(model, &without(block)), &hyper, ROUGH);
             reached.map(|(there, hyper)| (there.score, hyper))
         };
-        // Once a block is gone the hyperparameters are good enough for the next only where little changes.
+        // After a block is removed, the hyperparameters are good enough for the next only if little changes.
         if (chosen_anew && score - left < least) || (score - left).abs() < least {
             kept[weakest] = false;
             (score, chosen_anew) = (left, false);
@@ -155,8 +154,8 @@ pub(super) fn asked_for(
     (kept, Some(hyper))
 }
 
-/// The hyperparameters without any of the blocks, where neither all of them together nor any one alone makes a difference: so it is in
-/// most clean files. `with`: the score with all of them, and where.
+/// The hyperparameters without any block, if neither all blocks together nor any one alone makes a difference, as in most clean
+/// files. `with`: the score with all of them, and its hyperparameters.
 fn nobody_gives(
     model: &Model<'_>,
     blocks: &[Range<usize>],
@@ -186,7 +185,7 @@ pub(super) fn under<'a>(model: &Model<'a>, (precision, log_precision): &'a (DMat
     Model { precision, log_precision: *log_precision, ..model.clone() }
 }
 
-/// The prior under which these columns have no part in the model.
+/// The prior that removes these columns from the model.
 pub(super) fn nothing(model: &Model<'_>, columns: impl Iterator<Item = usize>) -> (DMatrix<f64>, f64) {
     let (mut precision, mut log_precision) = (model.precision.clone(), model.log_precision);
     for column in columns {

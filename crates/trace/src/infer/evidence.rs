@@ -1,11 +1,11 @@
-//! The score of a model: its log marginal likelihood, all numbers but the hyperparameters integrated out.
+//! The score of a model: its log marginal likelihood, with all parameters except the hyperparameters integrated out.
 //!
-//! With A = Λ + G/σ² (Λ prior precision, G = XᵀX, b = Xᵀy/σ² and what the prior pulls):
+//! With A = Λ + G/σ² (Λ prior precision, G = XᵀX), b = Xᵀy/σ² plus the gradient of the prior, and d the distance from the prior mean:
 //!
 //! ```text
 //! 2 log p(y) = -N log σ² - yᵀy/σ² - dᵀΛd + bᵀA⁻¹b - log|A| + log|Λ| + constants
 //! ```
-//! It holds Occam's factor (log|Λ| - log|A|): a block that could explain anything pays for it. Constants (flat priors, the
+//! log|Λ| - log|A| is Occam's factor: it penalises a block that could explain anything. Constants (flat priors, the
 //! held frame) are the same for all models of one robot and one file.
 
 use crate::infer::gram::Gram;
@@ -15,8 +15,8 @@ use denavit_linear::products::subtract;
 use denavit_linear::triangle::{Triangle, dot};
 use denavit_model::nalgebra::DMatrix;
 
-/// The fastest waves of a curve of which the data tell less than this, in numbers, all together, are left out of the factor: they change a
-/// score by half of that. Of a curve that is nothing these are all, of a smooth one most.
+/// The fastest waves of a curve are left out of the factor if the data determine fewer effective parameters of them than this, all
+/// together: that changes a score by half as much. These are all waves of a zero curve, and most of a smooth one.
 const UNSEEN: f64 = 0.01;
 
 /// A model whose products are formed.
@@ -26,7 +26,7 @@ pub struct Model<'a> {
     pub gram: &'a Gram,
     /// Prior precision of the plain columns; 0 where the prior is flat.
     pub precision: &'a DMatrix<f64>,
-    /// What the prior pulls the plain columns by: precision times the way from the present state to the prior's mean.
+    /// Gradient of the prior for the plain columns: precision times the step from the present state to the prior's mean.
     pub pull: &'a [f64],
     /// dᵀΛd at the present state.
     pub charge: f64,
@@ -34,17 +34,17 @@ pub struct Model<'a> {
     pub log_precision: f64,
     /// The waves of each curve.
     pub waves: &'a [Waves],
-    /// The mean of each curve's waves over the rows: a curve has no mean, for that is the joint's zero and geometry's.
+    /// The mean of each curve's waves over the rows: a curve is constrained to zero mean, as its mean is the joint's zero, part of geometry.
     pub means: &'a [Vec<f64>],
-    /// How firmly that holds for each curve, 1/rad² or 1/m².
+    /// Precision of that constraint for each curve, 1/rad² or 1/m².
     pub firm: &'a [f64],
-    /// For each curve what is expected of it where no rows are: precision of its waves, row by row (`gaps`).
+    /// For each curve its prior in gaps between rows: precision of its waves, row by row (`gaps`).
     pub gaps: &'a [Vec<f64>],
     /// For each curve the variance at which it is as large as the noise, rad² or m².
     pub visible: &'a [f64],
 }
 
-/// What the data say of every number at given hyperparameters.
+/// The posterior of all parameters at given hyperparameters.
 #[derive(Debug, Clone)]
 pub struct Posterior {
     /// Expected values: plain columns, then curve by curve.
@@ -71,11 +71,11 @@ impl Posterior {
     }
 }
 
-/// The waves of a curve as the hyperparameters have them.
+/// The waves of a curve at given hyperparameters.
 struct CurvePrior {
     /// Prior variance of each wave and the derivative of its logarithm by the length's.
     variances: Vec<(f64, f64)>,
-    /// So many of the waves are solved for: the data do not see the others.
+    /// Number of waves that are solved for: the data do not determine the others.
     seen: usize,
 }
 
@@ -92,17 +92,17 @@ pub struct Slope {
     pub score: f64,
     /// Its derivatives by [`Hyperparameters::to_vec`].
     pub gradient: Vec<f64>,
-    /// Of the plain columns and the waves that are solved for, and which of the model's numbers these are.
+    /// The solved system of plain columns and waves, and the indices of their parameters.
     own: Posterior,
     columns: Vec<usize>,
     curves: Vec<CurvePrior>,
     plain: usize,
-    /// What is left of the data, in units of the noise.
+    /// Sum of squared residuals, in units of the noise.
     chi_squared: f64,
 }
 
 impl Slope {
-    /// What the data say of every number: of those that were not solved for, what was expected.
+    /// The posterior of every parameter: the prior for those that were not solved for.
     pub fn posterior(&self) -> Posterior {
         let size = self.plain + self.curves.iter().map(|expected| expected.variances.len()).sum::<usize>();
         let (mut root, mean) = (vec![0.0; size * size], whole(&self.columns, &self.own.mean, size));
@@ -122,12 +122,12 @@ impl Slope {
         Posterior { mean, root, size }
     }
 
-    /// The score of the model without these plain columns, each of which is expected to be what it is whatever the others are, and without these
-    /// curves; all hyperparameters as they are. `None` where the numbers' covariance is not positive.
+    /// The score of the model without these plain columns (independent in the prior) and without these curves, at the same hyperparameters.
+    /// `None` if the covariance is not positive definite.
     ///
-    /// The odds between a model and the same without some numbers are those of these being nothing, beforehand and afterwards (Dickey, Annals
-    /// of Mathematical Statistics 42 (1971), 204): with C their covariance and m what is expected of them the logarithm of the likelihood is
-    /// less by half of log|Λ| + log|C| + mᵀ C⁻¹ m.
+    /// The Savage-Dickey ratio (Dickey, Annals of Mathematical Statistics 42 (1971), 204): the odds between a model and the same model without
+    /// some parameters are the ratio of their posterior and prior densities at 0. With C their posterior covariance and m their mean, the
+    /// logarithm of the likelihood falls by half of log|Λ| + log|C| + mᵀ C⁻¹ m.
     pub fn score_without(&self, model: &Model<'_>, columns: &[usize], curves: &[usize]) -> Option<f64> {
         let mut numbers = columns.to_vec();
         let mut log_prior: f64 = columns.iter().map(|&column| model.precision[(column, column)].ln()).sum();
@@ -155,7 +155,7 @@ impl Slope {
         Some(self.score - 0.5 * (log_prior + solved.log_determinant() + solved.explained()))
     }
 
-    /// How sharply the score bends, square: the mean of what it does and of what it is expected to do, which takes the posterior's mean alone
+    /// Curvature of the score, square: the average of observed and expected information, which needs only the posterior's mean
     /// (average information; Gilmour, Thompson, Cullis, Biometrics 51 (1995), 1440).
     ///
     /// With V the prior variances of a curve's waves, m their expected values, S the shares by which two hyperparameters change V, x = S V⁻¹ m, g the pull
@@ -163,7 +163,7 @@ impl Slope {
     /// the same curve), half of χ² - gᵀ C g for the noise, half of xᵀ C g between noise and curve. What holds a curve's mean and what is expected in gaps is left out.
     pub fn information(&self, model: &Model<'_>) -> DMatrix<f64> {
         let (size, mean) = (self.own.size, &self.own.mean);
-        // R x, C = Rᵀ R: first for the pull on all numbers, then for each hyperparameter of a curve.
+        // R x, C = Rᵀ R: first for the gradient of the prior of all parameters, then for each hyperparameter of a curve.
         let mut roots: Vec<Vec<f64>> = Vec::with_capacity(self.gradient.len());
         let along = |from: usize, pulls: &[f64]| {
             let mut root = vec![0.0; size];
@@ -208,12 +208,12 @@ impl Slope {
 struct Factored {
     score: f64,
     solved: Solved,
-    /// Which of the model's numbers were solved for.
+    /// Indices of the parameters that were solved for.
     columns: Vec<usize>,
     curves: Vec<CurvePrior>,
 }
 
-/// How many of a curve's waves the data see: the others could not be told from nothing. `precision`: what the data tell of each.
+/// How many of a curve's waves the data determine: the others cannot be distinguished from 0. `precision`: that of the data for each wave.
 pub(super) fn waves_seen(variances: &[(f64, f64)], precision: impl Fn(usize) -> f64) -> usize {
     let mut told = 0.0;
     let last = (0..variances.len()).rev().find(|&k| {
@@ -229,11 +229,11 @@ impl Model<'_> {
         self.factored(hyper).map(|factored| factored.score)
     }
 
-    /// The same with its derivatives and what the data say of every number; `None`, too, where the score is less than `least`.
+    /// The same with its derivatives and the posterior of every parameter; also `None` if the score is below `least`.
     pub fn slope(&self, hyper: &Hyperparameters, least: f64) -> Option<Slope> {
         let factored = self.factored(hyper).filter(|factored| factored.score >= least)?;
         let posterior = factored.own();
-        // Numbers that the data pay for: tr(C G/σ²) = n - tr(C Λ).
+        // Effective number of parameters: tr(C G/σ²) = n - tr(C Λ).
         let mut used = self.gram.size as f64;
         for i in 0..self.gram.plain {
             for k in 0..self.gram.plain {
@@ -248,14 +248,14 @@ impl Model<'_> {
         for (curve, (waves, expected)) in self.waves.iter().zip(&factored.curves).enumerate() {
             let (mut by_variance, mut by_length) = (0.0, 0.0);
             let (seen, variances) = (expected.seen, expected.seen());
-            // Of what the data do not see they say nothing.
+            // The data say nothing about what they do not determine.
             used -= (waves.len() - seen) as f64;
             if seen == 0 {
                 gradient.extend([0.0, 0.0]);
                 continue;
             }
             let charge = self.charge_of_mean(curve, variances);
-            // Held to nothing, the mean is one number less that the data pay for.
+            // The constrained mean is one effective parameter less.
             used -= 1.0;
             for (row, cells) in self.gaps[curve].chunks_exact(waves.len()).take(seen).enumerate() {
                 used -= cells[row] * posterior.covariance(first + row, first + row);
@@ -282,7 +282,7 @@ impl Model<'_> {
         Some(Slope { score, gradient, own: posterior, columns, curves, plain: self.gram.plain, chi_squared })
     }
 
-    /// What the prior takes of these numbers: twice the negative logarithm of its density, but for a constant.
+    /// The prior's penalty on these parameters: twice the negative logarithm of its density, up to a constant.
     pub fn cost(&self, hyper: &Hyperparameters, numbers: &[f64]) -> f64 {
         let (plain, mut rest) = numbers.split_at(self.gram.plain);
         let mut sum = self.charge;
@@ -301,21 +301,21 @@ impl Model<'_> {
         sum
     }
 
-    /// By how much holding the mean raises the prior's determinant: 1 + κ cᵀVc.
+    /// Factor by which the constraint on the mean raises the prior's determinant: 1 + κ cᵀVc.
     fn charge_of_mean(&self, curve: usize, variances: &[(f64, f64)]) -> f64 {
         let sum: f64 =
             self.means[curve].iter().zip(variances).map(|(mean, (variance, _))| mean * mean * variance).sum();
         1.0 + self.firm[curve] * sum
     }
 
-    /// What is expected of all waves.
+    /// The prior of all waves.
     fn expected(&self, hyper: &Hyperparameters) -> Vec<CurvePrior> {
         let all =
             |(kernel, waves): (&Kernel, &Waves)| CurvePrior { variances: kernel.variances(waves), seen: waves.len() };
         hyper.kernels.iter().zip(self.waves).map(all).collect()
     }
 
-    /// The same, with those left out that the data could not tell from nothing.
+    /// The same without the waves that the data do not determine.
     fn seen(&self, hyper: &Hyperparameters) -> Vec<CurvePrior> {
         let noise = (-hyper.log_noise).exp();
         let mut index = self.gram.plain;
@@ -336,7 +336,7 @@ impl Model<'_> {
         self.system_of(hyper, &all, &self.expected(hyper))
     }
 
-    /// The same of these columns: the plain ones and those of the waves that are seen.
+    /// The same for these columns: the plain ones and those of the waves that the data determine.
     fn system_of(&self, hyper: &Hyperparameters, columns: &[usize], curves: &[CurvePrior]) -> (System, f64) {
         let (whole, size, plain) = (self.gram.size, columns.len(), self.gram.plain);
         let noise = (-hyper.log_noise).exp();
@@ -375,7 +375,7 @@ impl Model<'_> {
     }
 
     fn factored(&self, hyper: &Hyperparameters) -> Option<Factored> {
-        // Of waves that the data do not see they say nothing: prior and posterior are the same, and their determinants.
+        // For waves that the data do not determine, prior and posterior are equal, and so are their determinants.
         let curves = self.seen(hyper);
         let mut columns: Vec<usize> = (0..self.gram.plain).collect();
         let mut first = self.gram.plain;
@@ -394,7 +394,7 @@ impl Model<'_> {
 }
 
 impl Factored {
-    /// What is said of the numbers that were solved for.
+    /// The posterior of the parameters that were solved for.
     fn own(&self) -> Posterior {
         let Solved { factor, half, scale } = &self.solved;
         let size = scale.len();
@@ -422,7 +422,7 @@ pub struct System {
     pub matrix: Vec<f64>,
     /// b.
     pub right: Vec<f64>,
-    /// What there is to explain, with what the prior takes of the present state.
+    /// The square of the data, plus the prior's penalty on the present state.
     pub square: f64,
     /// Values, weighted.
     pub count: f64,
@@ -462,23 +462,23 @@ impl Solved {
         self.factor.log_determinant() - 2.0 * self.scale.iter().map(|scale| scale.ln()).sum::<f64>()
     }
 
-    /// How much of what there is to explain the numbers explain: bᵀ A⁻¹ b.
+    /// How much of the square of the data the parameters explain: bᵀ A⁻¹ b.
     pub fn explained(&self) -> f64 {
         dot(&self.half, &self.half)
     }
 
-    /// What is expected of each number: A⁻¹ b.
+    /// The posterior mean of each parameter: A⁻¹ b.
     pub fn mean(&self) -> Vec<f64> {
         self.factor.backward(&self.half).iter().zip(&self.scale).map(|(x, scale)| x * scale).collect()
     }
 
-    /// A value that is predicted by these columns, as a vector f with fᵀ f its variance and fᵀ g its covariance with another: L⁻¹ D x.
+    /// The feature f = L⁻¹ D x of a value predicted by these columns: fᵀ f is its variance, fᵀ g its covariance with another value.
     pub fn feature(&self, columns: &[f64]) -> Vec<f64> {
         let scaled: Vec<f64> = columns.iter().zip(&self.scale).map(|(x, scale)| x * scale).collect();
         self.factor.forward(&scaled)
     }
 
-    /// What is expected of the value with this feature.
+    /// The expected value with this feature.
     pub fn expected(&self, feature: &[f64]) -> f64 {
         dot(feature, &self.half)
     }
@@ -497,7 +497,7 @@ mod tests {
         ((value * 5 + k * 11) as f64 * 0.53).sin() + 0.4 * ((value * k + 2) as f64 * 1.3).cos()
     }
 
-    /// So many plain columns and two curves, seen by a test.
+    /// A model with this number of plain columns and two curves, for tests.
     fn with_model(plain: usize, means_are_held: bool, test: impl Fn(&Model<'_>, &[Vec<f64>; 2], &[Waves; 2])) {
         let columns: Vec<Vec<f64>> =
             (0..plain).map(|k| (0..VALUES).map(|value| cell(value, k + 1)).collect()).collect();

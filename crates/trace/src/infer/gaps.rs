@@ -1,9 +1,9 @@
-//! What is expected of a curve where no rows are.
+//! The prior of a curve in gaps between rows.
 //!
-//! Waves are limited in their band: what rows on both sides of a gap ask of them, if only by errors of another kind that
-//! neighbouring rows share, may swing them within by many times what the curve is anywhere, and so may rows at an end swing them
-//! beyond it. There a curve is taken to be as large as at the rows, no more: wherever the nearest reading is farther away than half the
-//! curve's length scale, it is 0 within its root mean square over the rows, once for each half period of the fastest wave.
+//! The waves of a curve are band-limited. Rows on both sides of a gap, and errors of another kind that neighbouring rows share, may make
+//! them overshoot in the gap to many times the curve's size elsewhere; the same may happen beyond the first and the last row. So a curve
+//! is expected to be no larger in gaps than at the rows: wherever the nearest reading is farther away than half the curve's length scale,
+//! it is 0 with its root mean square over the rows as standard deviation, once for each half period of the fastest wave.
 
 use denavit_identify::effects::curve::{Curve, Waves};
 use denavit_linear::products::gram_of;
@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 /// Places in each half period of the fastest wave; together they count as one.
 const PLACES: f64 = 2.0;
 
-/// Precision of the waves' numbers that this makes, 1/rad² or 1/m², row by row; empty where there is no gap.
+/// The resulting precision of the waves' coefficients, 1/rad² or 1/m², row by row; empty if there is no gap.
 pub(super) fn precision(curve: &Curve, readings: &[f64]) -> Vec<f64> {
     let count = curve.waves.len();
     let places = gaps(curve, readings);

@@ -1,5 +1,5 @@
-//! Products of all columns of the linearised model with each other and with what was measured: formed once, then the cost of
-//! a score does not depend on the number of rows.
+//! Products of all columns of the linearised model with each other and with the residual. They are formed once; the cost of a score
+//! then does not depend on the number of rows.
 //!
 //! A curve's columns are the joint's column times its waves at the row's reading. So only one product of joint columns is
 //! taken per row and pair of joints, and the waves are multiplied with that.
@@ -10,15 +10,15 @@ use denavit_linear::stop::check_cancelled;
 use denavit_linear::threads::{available, par_map};
 use denavit_linear::triangle::dot;
 
-/// Rows whose waves are at hand at once: these stay in the processor's memory.
+/// Rows whose waves are computed at once: they fit into the processor's cache.
 const ROWS: usize = 256;
-/// No more sums than this are held at once.
+/// Largest number of partial sums held at once.
 const PARTIAL_SUMS: usize = 8;
 
 /// The linearised model, value by value, in units of the noise.
 #[derive(Debug, Clone, Copy)]
 pub struct Columns<'a> {
-    /// What is to be explained.
+    /// The residual.
     pub explained: &'a [f64],
     /// Columns of geometry, frames and effects.
     pub plain: &'a [&'a [f64]],
@@ -35,9 +35,9 @@ pub struct Columns<'a> {
 pub struct Gram {
     /// Lower triangle, row by row: plain columns first, then curve by curve.
     pub matrix: Vec<f64>,
-    /// With what is to be explained.
+    /// With the residual.
     pub right: Vec<f64>,
-    /// Of that with itself.
+    /// Of the residual with itself.
     pub square: f64,
     /// Values, weighted.
     pub count: f64,
@@ -49,7 +49,7 @@ pub struct Gram {
 
 impl Gram {
     fn zeros(plain: usize, size: usize) -> Self {
-        // Written to at once: memory that is zero as it comes from the system costs twice when it is added to.
+        // Written directly: adding to zeroed memory from the system costs twice as much.
         let matrix = std::iter::repeat_n(0.0, size * size).collect();
         Self { matrix, right: vec![0.0; size], square: 0.0, count: 0.0, plain, size }
     }
@@ -65,7 +65,7 @@ impl Gram {
         self.count += other.count * weight;
     }
 
-    /// The sum of the products of several parts of the values, each so many times.
+    /// The weighted sum of the products of several parts of the values.
     ///
     /// # Panics
     /// There is no part.
@@ -96,7 +96,7 @@ impl Gram {
             stretches.push(from..to);
             from = to;
         }
-        // Partial sums, each of every `parts`th stretch, added in order: no sum depends on which thread was the faster.
+        // Partial sums, each of every `parts`th stretch, added in order: no sum depends on the timing of the threads.
         let parts = stretches.len().clamp(1, PARTIAL_SUMS);
         let partial = |part: usize| {
             let mut sums = Self::zeros(plain, size);
@@ -117,7 +117,7 @@ impl Gram {
         self.matrix[i.max(k) * self.size + i.min(k)]
     }
 
-    /// |y - X m|² by the products alone.
+    /// |y - X m|² from the products alone.
     pub fn misfit(&self, mean: &[f64]) -> f64 {
         let mut sum = self.square;
         for (i, row) in self.matrix.chunks_exact(self.size).enumerate() {

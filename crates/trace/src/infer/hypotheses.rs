@@ -1,9 +1,9 @@
-//! What is still open after a run: the sets of causes that the data leave possible, and what each predicts of rows to come.
+//! The sets of causes that remain possible after a run, and what each predicts for future rows.
 //!
-//! Each hypothesis is a set of causes beside geometry, frames and curves, with the posterior that the measured rows gave it. A
-//! row to come has columns x of the same kinds; under a hypothesis with A m = b (`System`) it is expected at xᵀ m with the
-//! variance s (1 + xᵀ A⁻¹ x), s the variance of the noise.
-//! Structure without a name has no columns beyond the measured rows, so it has no part in what is predicted.
+//! Each hypothesis is a set of causes with geometry, frames and curves, and its posterior given the measured rows. A future row has
+//! columns x of the same kinds; under a hypothesis with A m = b (`System`) its expected value is xᵀ m with the variance
+//! s (1 + xᵀ A⁻¹ x), s the variance of the noise.
+//! Unexplained structure has no columns beyond the measured rows, so it takes no part in predictions.
 
 use crate::infer::contest::Setting;
 use crate::infer::curves::{Laid, Round, State};
@@ -26,13 +26,13 @@ use denavit_measurements::Measurements;
 use denavit_model::Chain;
 use serde::Serialize;
 
-/// Waves of a curve that is to reach beyond the rows measured, at most: what is shorter than they can follow is left out.
+/// Largest number of waves of a curve that extends beyond the measured rows: shorter waves are left out.
 const MOST_WAVES: usize = 80;
-/// The fastest wave, periods per turn; beyond it curves of gears hold next to nothing.
+/// The fastest wave, periods per turn; curves of gears hold very little beyond it.
 const FASTEST: f64 = 60.0;
-/// Causes that are challenged by an error curve of their joint, at most.
+/// Largest number of causes for which an error curve of their joint is considered as an alternative.
 const MOST_CHALLENGED: usize = 3;
-/// Length scale of a curve that stands for a cause which does not follow its joint's own reading, rad or m.
+/// Length scale of a curve that replaces a cause which does not follow its joint's own reading, rad or m.
 const SOME_LENGTH: f64 = 1.0;
 
 /// A cause: what an engineer would call the same.
@@ -47,10 +47,10 @@ pub struct Cause {
 /// One set of causes that may act.
 #[derive(Debug, Clone)]
 pub struct Hypothesis {
-    /// The causes; none: nothing but geometry, frames and curves.
+    /// The causes; empty: only geometry, frames and curves.
     pub causes: Vec<Cause>,
-    /// Joints that have an error curve beside them: one that suits the set, or one in the stead of a cause, which the rows
-    /// measured do not ask for but rows elsewhere may.
+    /// Joints with an error curve: the best one for the set, or one instead of a cause, which the measured rows do not support but rows
+    /// elsewhere may.
     pub curves: Vec<usize>,
     /// Their terms.
     pub terms: Vec<Term>,
@@ -63,7 +63,7 @@ pub struct Hypothesis {
     solved: Solved,
 }
 
-/// A set of causes that is left possible, beside the curves that suit it best.
+/// A set of causes that remains possible, with its best curves.
 #[derive(Debug, Clone)]
 pub(crate) struct OpenSet {
     pub(crate) terms: Vec<Candidate>,
@@ -72,10 +72,10 @@ pub(crate) struct OpenSet {
     pub(crate) curves: Vec<(usize, Kernel)>,
 }
 
-/// What a run leaves open: all that is needed to say what each set of causes predicts.
+/// The possible sets of causes of a run, with everything needed for their predictions.
 #[derive(Debug, Clone)]
 pub struct Open {
-    /// The rows that were judged.
+    /// The rows of the comparison.
     data: Measurements,
     survey: Survey,
     fit: Fit<EffectModel>,
@@ -84,43 +84,43 @@ pub struct Open {
     sets: Vec<OpenSet>,
 }
 
-/// A joint whose side of approach matters to what a run leaves open.
+/// A joint whose side of approach matters for the possible causes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Approached {
     /// The joint.
     pub joint: usize,
-    /// The columns that tell it: the side, or how far the joint has wound itself up towards it.
+    /// The columns that record it: the side, or the joint's windup towards it.
     pub columns: Vec<String>,
-    /// Whether the order of the rows tells all of them.
+    /// Whether all of them follow from the order of the rows.
     pub by_order: bool,
 }
 
-/// Hypotheses about one run, and what they predict of rows to come.
+/// Hypotheses about one run, and their predictions for future rows.
 #[derive(Debug, Clone)]
 pub struct Hypotheses {
-    /// The most probable first. One: nothing is open.
+    /// The most probable first. One: no cause is uncertain.
     pub list: Vec<Hypothesis>,
-    /// The rows to come.
+    /// The future rows.
     pub lines: Lines,
     /// Variance of the noise in units of which they are.
     pub noise: f64,
 }
 
-/// Columns of the model for rows to come, value by value.
+/// Columns of the model for future rows, value by value.
 #[derive(Debug, Clone)]
 pub struct Lines {
     /// All columns of a value, value by value.
     cells: Vec<f64>,
     width: usize,
-    /// Of each joint with a curve: what a unit of it does to each value.
+    /// For each joint with a curve: the change of each value per unit of it.
     joints: Vec<Vec<f64>>,
     /// The values of each row.
     pub rows: Vec<std::ops::Range<usize>>,
-    /// What a value is multiplied by to be a length in m; 0 where it is none.
+    /// Factor from a value to a length in m; 0 if it is not a length.
     pub metres: Vec<f64>,
 }
 
-/// What a hypothesis predicts of some values, each relative to the same present state and in units of the noise.
+/// A hypothesis's prediction of some values, each relative to the same present state and in units of the noise.
 #[derive(Debug, Clone)]
 pub struct Predicted {
     /// Expected values.
@@ -152,7 +152,7 @@ impl Predicted {
     /// Covariances of these values with these others, row by row of the former.
     pub fn covariances(&self, values: std::ops::Range<usize>, others: std::ops::Range<usize>) -> Vec<f64> {
         let of = |range: std::ops::Range<usize>| &self.features[range.start * self.size..range.end * self.size];
-        // The products come column by column of what is named second.
+        // The products come column by column of the second factor.
         cross_gram(of(others), of(values), self.size)
     }
 }
@@ -195,7 +195,7 @@ impl Open {
         &self.fit.effects.statics.chain
     }
 
-    /// The joints whose way to where they stand a hypothesis follows, the most probable first.
+    /// The joints whose approach or history matters to a hypothesis, the most probable first.
     pub fn approached(&self) -> Vec<Approached> {
         let mut joints: Vec<Approached> = Vec::new();
         for candidate in self.sets.iter().flat_map(|set| &set.terms) {
@@ -213,8 +213,7 @@ impl Open {
         joints
     }
 
-    /// The joint whose side of approach a driver follows, or how far that has wound itself up; the column, and whether the order of the
-    /// rows tells it.
+    /// The joint whose side of approach or windup a driver follows; the column, and whether it follows from the order of the rows.
     fn approach_of(&self, driver: &Driver) -> Option<(usize, String, bool)> {
         if let Some(side) = driver.side() {
             return Some((side.joint, side.column.name().to_owned(), side.from_rows));
@@ -225,7 +224,7 @@ impl Open {
         Some((joint, column.to_owned(), true))
     }
 
-    /// Causes in question: joints at which a cause acts that not all sets hold, with that cause.
+    /// Uncertain causes: joints with a cause that not all sets contain, and that cause.
     fn challenged(&self) -> Vec<(usize, &Candidate)> {
         let mut joints: Vec<(usize, &Candidate)> = Vec::new();
         for candidate in self.sets.iter().flat_map(|set| &set.terms) {
@@ -241,7 +240,7 @@ impl Open {
         joints
     }
 
-    /// The model with waves that reach over the rows measured and those to come.
+    /// The model with waves that cover the measured and the future rows.
     fn state(&self, rows: &Measurements, joints: &[usize]) -> State {
         let mut state = State::new(&self.survey, &self.data, &self.fit);
         let kept: Vec<bool> = state.joints.iter().map(|joint| joints.contains(joint)).collect();
@@ -292,7 +291,7 @@ impl Open {
         Some((settings, kernels))
     }
 
-    /// The curves that stand in the stead of a cause, where its joint has none in the set without it.
+    /// The curves that replace a cause, if its joint has none in the set without it.
     fn challenges<'a>(
         &self,
         challenged: &[(usize, &'a Candidate)],
@@ -309,13 +308,13 @@ impl Open {
         challenged.iter().filter_map(of).collect()
     }
 
-    /// What each hypothesis predicts of `rows`, which have the scene and the recorded columns of the run; `None` where one has
-    /// no solution.
+    /// The prediction of each hypothesis for `rows`, which have the scene and the recorded columns of the run; `None` if one has no
+    /// solution.
     pub fn hypotheses(&self, rows: &Measurements) -> Option<Hypotheses> {
         let challenged = self.challenged();
         let mut joints: Vec<usize> = self.sets.iter().flat_map(|set| &set.curves).map(|(joint, _)| *joint).collect();
         joints.extend(challenged.iter().map(|(joint, _)| *joint));
-        // What the fit's own curves explain is put back, whether a hypothesis has them or not.
+        // What the fit's own curves explain is added back, whether a hypothesis has them or not.
         joints.extend(self.fit.effects.curves.iter().map(|curve| curve.joint));
         let state = self.state(rows, &joints);
         let candidates = self.candidates();
@@ -348,7 +347,7 @@ impl Open {
             });
         }
         for Challenge { curve: at, candidate, with, without } in challenges {
-            // A curve in the stead of a cause is as large as the cause is at the rows to come.
+            // A curve that replaces a cause is as large as the cause in the future rows.
             let member = candidates.iter().position(|other| other.term == candidate.term)?;
             let size = list[with].size_of(&members[member].columns, &lines, at) * noise.sqrt();
             let length = length_of(&candidate.term, state.joints[at]);
@@ -378,7 +377,7 @@ impl Open {
         (noise > 0.0 && noise.is_finite()).then_some(Hypotheses { list, lines, noise })
     }
 
-    /// Columns of rows to come.
+    /// Columns of future rows.
     fn lines(&self, data: &Measurements, state: &State, candidates: &[Candidate]) -> Lines {
         let mut fit = self.fit.clone();
         fit.weights = vec![1.0; data.observations()];
@@ -419,7 +418,7 @@ impl Open {
     }
 }
 
-/// A curve, by its place among the curves, in the stead of a cause: the best set with the cause and the best without it.
+/// A curve, by its index, that replaces a cause: the best set with the cause and the best without it.
 struct Challenge<'a> {
     curve: usize,
     candidate: &'a Candidate,
@@ -437,7 +436,7 @@ fn share_out(list: &mut [Hypothesis]) {
     }
 }
 
-/// Length scale of a curve that does what a term does with the reading of its own joint, rad or m.
+/// Length scale of a curve with the same effect as a term that follows its joint's reading, rad or m.
 fn length_of(term: &Term, own: usize) -> f64 {
     match term.driver {
         Driver::Harmonic { joint, order } if joint == own => order.recip(),
@@ -447,7 +446,7 @@ fn length_of(term: &Term, own: usize) -> f64 {
 }
 
 impl Hypothesis {
-    /// How large a curve of a joint is that does as much at rows to come as these columns do, rad or m in units of the noise.
+    /// Size of a joint's curve with as large an effect in future rows as these columns, rad or m in units of the noise.
     fn size_of(&self, columns: &std::ops::Range<usize>, lines: &Lines, joint: usize) -> f64 {
         let (mut does, mut one) = (0.0, 0.0);
         for (line, unit) in lines.cells.chunks_exact(lines.width.max(1)).zip(&lines.joints[joint]) {
@@ -466,7 +465,7 @@ impl Hypotheses {
         self.list.len() > 1
     }
 
-    /// What one of them predicts of the rows to come.
+    /// The prediction of one of them for the future rows.
     pub fn predicted(&self, hypothesis: usize) -> Predicted {
         let Hypothesis { columns, solved, .. } = &self.list[hypothesis];
         let each = self.lines.cells.chunks_exact(self.lines.width.max(1));

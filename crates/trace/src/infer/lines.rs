@@ -1,19 +1,19 @@
-//! Lines of a curve's spectrum: orders that hold much of it.
+//! Lines in a curve's spectrum: orders with a large share of its variance.
 
 use crate::infer::model::Kernel;
 use denavit_identify::effects::curve::Curve;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Readings at which a curve is laid under a line.
+/// Number of readings at which a curve is sampled.
 const PLACES: usize = 600;
 /// Orders tried per period over the range: neighbours then differ by a tenth of a period.
 const PER_PERIOD: f64 = 10.0;
-/// A line holds at least this share of the curve: with less it is one wave among many.
+/// Smallest share of a curve's variance that counts as a line.
 const STANDS_OUT: f64 = 0.2;
-/// A curve that is left so large without its best straight line, as a share, is none that a scale explains.
+/// If more than this share of a curve remains without its best straight line, a scale does not explain it.
 const LEFT_OF_A_LINE: f64 = 0.5;
-/// So many are listed.
+/// Number of lines listed.
 const LISTED: usize = 3;
 
 /// A sine in a curve.
@@ -23,7 +23,7 @@ pub struct Line {
     pub order: f64,
     /// Its amplitude, rad or m.
     pub amplitude: f64,
-    /// Share of the curve's variance over the range that it holds.
+    /// Its share of the curve's variance over the range.
     pub share: f64,
 }
 
@@ -39,8 +39,8 @@ pub fn course(curve: &Curve) -> (Vec<(f64, f64)>, f64) {
     (course, rms)
 }
 
-/// What a curve would be beside a scale of its joint: the kernel of what is left of it without the straight line that fits it best.
-/// Nothing where that line does not hold most of it.
+/// The kernel of a curve next to a scale of its joint: that of the remainder after its best straight line. `None` if the line does
+/// not explain most of the curve.
 pub fn beside_a_scale(curve: &Curve) -> Option<Kernel> {
     let (course, rms) = course(curve);
     let count = course.len() as f64;
@@ -57,14 +57,14 @@ pub fn beside_a_scale(curve: &Curve) -> Option<Kernel> {
     (size < LEFT_OF_A_LINE * rms && kernel.log_variance.is_finite() && kernel.log_length.is_finite()).then_some(kernel)
 }
 
-/// Lines that stand out, the strongest first. Each is fitted with a constant, taken out, and the next is looked for.
+/// Lines, the strongest first. Each is fitted with a constant and subtracted before the next is searched for.
 pub fn lines(curve: &Curve) -> Vec<Line> {
     let (course, rms) = course(curve);
     let total = rms * rms * course.len() as f64;
     let mean = course.iter().map(|(_, y)| y).sum::<f64>() / course.len() as f64;
     let mut left: Vec<(f64, f64)> = course.iter().map(|(x, y)| (*x, y - mean)).collect();
     let span = curve.range.1 - curve.range.0;
-    // One period over the range is the least that can be called one.
+    // At least one period must lie in the range.
     let lowest = TAU / span;
     let highest = curve.waves.frequency(curve.waves.len() - 1);
     let count = ((highest - lowest) / (lowest / PER_PERIOD)).max(0.0) as usize;

@@ -7,27 +7,27 @@ use denavit_model::nalgebra::{DMatrix, DVector};
 
 /// A gain of the logarithm that changes no probability by more than a hundredth.
 pub const NEGLIGIBLE: f64 = 0.01;
-/// The same where all that is asked is whether a gain is one of several units.
+/// The same if the only question is whether a gain is several units.
 pub const ROUGH: f64 = 0.1;
-/// What is taken to be known at least of the logarithm of a hyperparameter: of a curve that is nothing the data say nothing.
+/// Smallest information about the logarithm of a hyperparameter: the data give none if the curve is 0.
 const LEAST_INFORMATION: f64 = 0.1;
 /// Steps of the search; it needs some five to ten.
 const MOST_STEPS: usize = 60;
-/// A step that does not lead uphill is shortened to this share of it, so many times at most.
+/// Factor by which a step that does not increase the score is shortened, and largest number of such cuts.
 const CUT: f64 = 0.3;
 const MOST_CUTS: usize = 12;
 /// No step changes a hyperparameter by more than this factor's logarithm.
 const LONGEST: f64 = 1.5;
-/// Shares of the variance that the curves are taken to explain at the start.
+/// Initial shares of the variance that the curves explain.
 const SHARES: [f64; 3] = [0.05, 0.5, 0.95];
 /// Lengths that the search starts from, as shares of the interval's width: some waves over it, and one.
 const LENGTHS: [f64; 3] = [0.02, 0.07, 0.25];
-/// A curve is not ten times as large as all that geometry leaves: it would be geometry that it stands in for.
+/// Upper bound of a curve relative to the residual of geometry: a larger curve would replace geometry.
 const MOST: f64 = 100.0;
-/// A curve's variance is not followed below this share of the size that would be seen: it is nothing then.
+/// Lower bound of a curve's variance relative to what is detectable: below it the curve is 0.
 const NOTHING: f64 = 1e-6;
 
-/// Where each hyperparameter may lie.
+/// Bounds of each hyperparameter.
 #[derive(Debug, Clone)]
 struct Bounds {
     low: Vec<f64>,
@@ -35,8 +35,8 @@ struct Bounds {
 }
 
 impl Bounds {
-    /// A length is never shorter than what the fastest wave can follow, nor longer than twice the interval, where a curve is
-    /// all but a straight line.
+    /// A length is at least what the fastest wave can follow, and at most twice the interval, where a curve is nearly a straight
+    /// line.
     fn new(model: &Model<'_>) -> Self {
         let (mut low, mut high) = (vec![-30.0], vec![5.0]);
         for (waves, visible) in model.waves.iter().zip(model.visible) {
@@ -57,7 +57,8 @@ impl Bounds {
     }
 }
 
-/// The maximum, with the score's slope there, from the best of a few starts, of which one may be known; a step that gains less than `negligible` is the last.
+/// The maximum, with the score's gradient there, from the best of a few starts and a known one, if any; a step that gains less than
+/// `negligible` is the last.
 pub fn from_afar(
     model: &Model<'_>,
     known: Option<&Hyperparameters>,
@@ -86,7 +87,7 @@ pub fn from_near(model: &Model<'_>, start: &Hyperparameters, negligible: f64) ->
     ascend(model, start, &Bounds::new(model), negligible)
 }
 
-/// Newton's steps between bounds, uphill, with the average information in the place of the curvature.
+/// Newton steps within bounds, with the average information instead of the curvature.
 fn ascend(
     model: &Model<'_>,
     start: &Hyperparameters,
@@ -98,7 +99,7 @@ fn ascend(
     let mut here = slope(&at, f64::NEG_INFINITY)?;
     for _ in 0..MOST_STEPS {
         let step = step_from(&here, model, &at, bounds);
-        // Where the next step promises less than that, it changes nothing.
+        // A next step that promises less than that changes nothing.
         let Some(mut step) = step.filter(|step| along(&here, step) >= negligible) else { break };
         let mut found = None;
         for _ in 0..MOST_CUTS {
@@ -119,18 +120,18 @@ fn ascend(
     Some((here, Hyperparameters::from_slice(at.as_slice())))
 }
 
-/// Whether hyperparameters lie beyond what the search may come to.
+/// Whether hyperparameters lie outside the bounds.
 #[cfg(test)]
 pub(super) fn is_outside(model: &Model<'_>, at: &[f64]) -> bool {
     Bounds::new(model).clamped(at.to_vec()) != at
 }
 
-/// The score's rise along a step.
+/// The directional derivative of the score along a step.
 fn along(here: &Slope, step: &DVector<f64>) -> f64 {
     here.gradient.iter().zip(step).map(|(slope, step)| slope * step).sum()
 }
 
-/// The step to where the score would be largest; a bound that it pushes against holds its number.
+/// The step to the maximum of the quadratic model; a hyperparameter that would cross its bound is held there.
 fn step_from(here: &Slope, model: &Model<'_>, at: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
     let (count, gradient) = (at.len(), &here.gradient);
     let held: Vec<bool> = (0..count)
@@ -138,12 +139,12 @@ fn step_from(here: &Slope, model: &Model<'_>, at: &DVector<f64>, bounds: &Bounds
         .collect();
     let information = here.information(model);
     let cell = |i: usize, k: usize| if held[i] || held[k] { 0.0 } else { information[(i, k)] };
-    // Where a curve is next to nothing the score rises in proportion to its variance: in logarithms a step of about one is right, whatever the slope.
+    // For a curve near 0 the score rises in proportion to its variance: in logarithms a step of about one is right, whatever the slope.
     let least = |k: usize| LEAST_INFORMATION + if k > 0 { gradient[k].abs() } else { 0.0 };
     let matrix = DMatrix::from_fn(count, count, |i, k| cell(i, k) + if i == k { least(i) } else { 0.0 });
     let free = DVector::from_fn(count, |k, _| if held[k] { 0.0 } else { gradient[k] });
     let step = matrix.cholesky()?.solve(&free);
     let short = step.map(|cell| cell.clamp(-LONGEST, LONGEST));
-    // With each number cut by itself the step need not lead uphill.
+    // If each component is limited by itself, the step need not increase the score.
     Some(if along(here, &short) > 0.0 { short } else { &step * (LONGEST / step.amax().max(LONGEST)) })
 }

@@ -1,4 +1,4 @@
-//! Candidates of a round as members of sets, each expected to be as large as it is in machines.
+//! Candidates of a round as members of sets, each with the size that it has in machines as its prior.
 
 use crate::infer::contest::Member;
 use crate::infer::curves::Round;
@@ -6,7 +6,7 @@ use crate::infer::model::LARGEST;
 use denavit_identify::effects::catalogue::{Candidate, Kind};
 use std::ops::Range;
 
-/// What slips or is set up anew moves by so much at most, rad or m: a joint that turned by a radian where nobody sees it is none.
+/// Largest step of a part that slips or is set up again, rad or m: an unnoticed turn of a joint by a radian is implausible.
 const FARTHEST: f64 = 0.05;
 
 /// The candidates of a round as members of sets, with their prior odds.
@@ -19,7 +19,7 @@ pub(super) fn members(round: &Round, candidates: &[Candidate], log_odds: impl Fn
     candidates.iter().zip(&round.candidates).map(of).collect()
 }
 
-/// Causes are expected to have the size that they have in machines; 0 where nothing is known.
+/// Smallest prior precision, from the size of such causes in machines; 0 if nothing is known.
 fn least_precision(candidate: &Candidate) -> f64 {
     match candidate.term.kind {
         Kind::TransmissionError | Kind::AxisWobble | Kind::LocalJointError | Kind::Backlash | Kind::TargetIncidence => {

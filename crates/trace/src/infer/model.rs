@@ -1,4 +1,4 @@
-//! What is expected of every number of the model before it is measured: the model of the inference in one place.
+//! The priors of all parameters of the inference.
 //!
 //! | block | numbers | prior |
 //! |---|---|---|
@@ -10,11 +10,11 @@
 
 use denavit_identify::effects::curve::{Curve, Waves};
 
-/// Periodic errors, bumps, play and error curves of joints are of this size at most, rad or m, as machines are made; more is
-/// geometry or damage that one sees.
+/// Largest periodic errors, bumps, play and error curves of joints that machines have, rad or m; more is geometry or visible
+/// damage.
 pub const LARGEST: f64 = 3e-3;
 
-/// The free numbers of the prior of one curve.
+/// Hyperparameters of one curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {
     /// Natural logarithm of the curve's variance, rad² or m².
@@ -30,8 +30,8 @@ impl Kernel {
     }
 
     /// Logarithm of the spectral density of the Matérn kernel of smoothness 5/2 at a frequency, and its derivative by the
-    /// logarithm of the length (Rasmussen, Williams 2006, eq. 4.15). Curves of gears are smooth, yet not without end:
-    /// they hold short waves beside long ones.
+    /// logarithm of the length (Rasmussen, Williams 2006, eq. 4.15). Curves of gears are smooth, but not infinitely so:
+    /// they have short waves as well as long ones.
     pub fn log_density(&self, frequency: f64) -> (f64, f64) {
         let inverse = (-2.0 * self.log_length).exp() * 5.0;
         let sum = inverse + frequency * frequency;
@@ -52,7 +52,7 @@ impl Kernel {
     }
 }
 
-/// The free numbers of the whole prior: what the marginal likelihood is maximised over.
+/// All hyperparameters: the marginal likelihood is maximised over them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hyperparameters {
     /// Logarithm of the noise's variance relative to that of the linearisation.

@@ -1,4 +1,4 @@
-//! Which causes are named: those that nearly all the posterior mass holds, and that resampled runs find again.
+//! Which causes are named: those with nearly all the posterior mass that half-sample refits also select.
 
 use crate::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
 use crate::infer::curves::{Round, State};
@@ -29,33 +29,34 @@ use std::cell::OnceCell;
 
 /// A cause is named from this probability on.
 const NAMED: f64 = 0.95;
-/// And if this share of the resampled runs finds it.
+/// And if at least this share of the half-sample refits selects it.
 const FOUND_AGAIN: f64 = 0.8;
-/// From this probability on, among models without structure that has no name, a cause stays in the model although it is not named
-/// (Barbieri, Berger 2004: the median probability model predicts best); with its rivals', for where one of several acts the best of
-/// them predicts better than none.
+/// From this probability on, among models without unexplained structure, a cause stays in the model although it is not named
+/// (Barbieri, Berger 2004: the median probability model predicts best). The probabilities of its rivals are added: if one of several
+/// acts, including the best of them predicts better than including none.
 const KEPT: f64 = 0.5;
-/// Parts that the run is made of, and how often it is split into two halves of them.
+/// Number of parts of a run, and how often they are split into two halves.
 const PARTS: usize = 10;
 const SPLITS: usize = 15;
-/// So many halves are searched in any case: a share of fewer says little.
+/// Smallest number of halves that are searched.
 const FEWEST_HALVES: usize = 10;
-/// Where the first so many all find a cause, enough of all do: of a cause that seven halves of ten find they do so once in seventy times.
+/// If the first halves, in this number, all select a cause, no more are needed: for a cause that seven halves of ten select, that happens
+/// once in seventy times.
 const UNANIMOUS: usize = 12;
-/// A set of causes with this much of the mass is left possible even where no member of the best is unsure.
+/// A set of causes with this much of the mass remains possible even if every member of the best set is certain.
 const POSSIBLE: f64 = 0.1;
-/// Sets of the same names may be so many that each is this much behind what they are together, logarithm.
+/// Each of many sets of the same names may be up to this much below their sum, logarithm.
 const BESIDE: f64 = 3.0;
-/// So many sets are kept apart, the most probable.
+/// Number of sets listed, the most probable first.
 const MOST_POSSIBLE: usize = 6;
-/// A rival holds at least this much of the mass, and so does what is corrected for.
+/// Smallest probability of a rival.
 const RIVAL: f64 = 0.02;
-/// And is met in the other's absence this much more often than in its presence, logarithm.
+/// And it is this much more probable in the other's absence than in its presence, logarithm.
 const MORE: f64 = 0.4;
-/// What a scanned number costs beside the grid of the catalogue: it was refined between the grid's places.
+/// Penalty of a scanned number beyond the catalogue's grid: it was refined between grid points.
 const REFINED: f64 = 1.0;
-/// What a joint costs that gives under a torque of which a spring takes up a part, beside one without a spring: one machine in ten
-/// has one.
+/// Penalty of a compliance under a torque that a spring partly balances, against one without a spring: one machine in ten has a
+/// spring.
 const BALANCED: f64 = 2.3;
 
 /// A cause at a place, and how probable it is that it acts.
@@ -78,23 +79,22 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the resampled runs that find it (`found_again`); no more than the share of the run's other rows that find it, where there are
-    /// such.
+    /// Share of the half-sample refits that select it (`found_again`), limited to the share of other rows' sets that select it, if any.
     pub found_again: f64,
-    /// By how much it raises the logarithm of the marginal likelihood, prior odds counted; the mean over these and the other rows.
+    /// Its increase of the log marginal likelihood, prior odds included; the mean over these and the other rows.
     pub gain: f64,
-    /// Who shares its mass.
+    /// Its rivals.
     pub rivals: Vec<Alternative>,
-    /// Whether it is of use for the prediction (`predictor`).
+    /// Whether it improves the prediction (`predictor`).
     pub predicts: bool,
 }
 
-/// Whether a cause is sure enough to be named.
+/// Whether a cause is certain enough to be named.
 pub fn sure(probability: f64, found_again: f64) -> bool {
     probability >= NAMED && found_again >= FOUND_AGAIN
 }
 
-/// Whether something probably acts: a cause of this probability, or one in its stead.
+/// Whether this cause or one of its alternatives probably acts.
 pub fn likely(probability: f64, rivals: &[Alternative]) -> bool {
     probability + rivals.iter().map(|rival| rival.probability).sum::<f64>() >= KEPT
 }
@@ -111,31 +111,31 @@ impl Judged {
     }
 }
 
-/// What is judged, and beside what.
+/// The candidates, curves and structures that are compared.
 pub(crate) struct Question<'a> {
-    /// Terms that may act.
+    /// Candidate terms.
     pub candidates: &'a [Candidate],
-    /// Every term that was looked at.
+    /// Every term that was tested.
     pub counted: &'a [Candidate],
     /// The set to start from, by terms.
     pub start: &'a [Candidate],
-    /// Curves as fitted beside several models: each joint may have any of its kernels.
+    /// Curves as fitted with several models: each joint may have any of its kernels.
     pub curves: &'a [&'a [Curve]],
-    /// Structures without a name; none is empty.
+    /// Unexplained structures; each has columns.
     pub structures: &'a [Vec<Block>],
-    /// Other rows of the run, which must show a cause, too.
+    /// Other rows of the run, which must support a cause, too.
     pub others: &'a [OtherRows<'a>],
 }
 
-/// As many rows of the same run, none of them among those that are judged by.
+/// Further rows of the same run, as many as those of the comparison and different from them.
 pub(crate) struct OtherRows<'a> {
     pub survey: &'a Survey,
     pub data: &'a Measurements,
-    /// The structures as these rows have them.
+    /// The structures' columns in these rows.
     pub structures: Vec<Vec<Block>>,
 }
 
-/// Who takes part in a contest, on some rows.
+/// The members, curves and structures of a contest, on some rows.
 struct Entered {
     round: Round,
     members: Vec<Member>,
@@ -175,16 +175,17 @@ fn name(candidate: &Candidate, fit: &Fit<EffectModel>) -> Name {
     (candidate.term.kind, candidate.term.carrier.place(&fit.effects.statics.chain))
 }
 
-/// What the judgement ends with.
+/// The result of the comparison.
 #[derive(Default)]
 pub(crate) struct Judgement {
     /// The members of the most probable set.
     pub members: Vec<Judged>,
-    /// What is left possible, where that is more than one set of causes.
+    /// The sets of causes that remain possible, if more than one.
     pub open: Option<Open>,
 }
 
-/// Judges candidates beside geometry, frames, curves and unnamed structure: the most probable set, and what is left possible.
+/// Compares sets of candidates in a model with geometry, frames, curves and unexplained structure: the most probable set, and the sets
+/// that remain possible.
 ///
 /// # Shape and units
 /// `fit`: a model near the truth, whose effects are set aside. `reference` as in [`denavit_identify::solve::fit`].
@@ -212,7 +213,7 @@ pub(crate) fn judge(
     let names: Vec<Name> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
     let masses = Masses::of(&seen, &names);
     let holds = |set: &[usize], name: &Name| set.iter().any(|&other| names[other] == *name);
-    // Settings that suit the sets that matter.
+    // The best settings of the probable sets.
     let mut which = rivals_of_best(&seen);
     which.push(Vec::new());
     let mut kept: Vec<usize> = which.iter().filter_map(|set| seen.get(set)).map(|(_, setting)| *setting).collect();
@@ -226,7 +227,7 @@ pub(crate) fn judge(
     let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
     let mut all = set.clone();
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
-    // Where there is nothing to be found again nobody looks.
+    // Without a probable cause, half-sample refits are not made.
     let others = if all.is_empty() { &[][..] } else { question.others };
     let elsewhere = each_alone(others, |other| {
         let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
@@ -235,7 +236,7 @@ pub(crate) fn judge(
         let contest = entered.contest(&kernels);
         contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
-    // Each half from what the run showed, and from where that began.
+    // Each half starts from the run's best set, and from the start of that search.
     let begin: Vec<Vec<usize>> = vec![set.clone(), predictor.set.clone(), start, Vec::new()];
     let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
     let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
@@ -256,7 +257,8 @@ pub(crate) fn judge(
             let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, |set| holds(set, mine)) };
             let (probability, instead) = (probability(mine), masses.rivals(mine));
             let predicting = || likely(predicting().log_present(mine).exp(), &predicting().rivals(mine));
-            // What is there for the prediction must be possible beside structure, or do without; alone, it must be seen to predict.
+            // A cause that is included for the prediction must be possible with structure, or make it unnecessary; alone, it must improve
+            // the prediction of left-out rows.
             let predicts = predictor.set.contains(&member)
                 && !follows_warmth(&candidates[member])
                 && predicting()
@@ -308,7 +310,7 @@ fn causes(set: &[usize], names: &[Name]) -> Vec<Cause> {
     causes
 }
 
-/// The curves that suit a set best, of the settings without structure.
+/// The best curves for a set, among the settings without structure.
 fn curves_beside(
     contest: &Contest<'_>,
     settings: &[(Marginal, Setting)],
@@ -323,9 +325,9 @@ fn curves_beside(
     chosen.into_iter().enumerate().filter_map(kernel).collect()
 }
 
-/// The sets of causes that are left possible, the best first, each with the logarithm of the mass of all sets of the same names: those of
-/// [`POSSIBLE`] and more, and for each member that is not sure what else would have to be true: the best set with each of its rivals in
-/// its stead, and the best without it.
+/// The sets of causes that remain possible, the best first, each with the logarithm of the mass of all sets of the same names: those of
+/// [`POSSIBLE`] and more, and for each uncertain member its alternatives: the best set with each of its rivals instead, and the best set
+/// without it.
 fn possible(
     seen: &Seen,
     names: &[Name],
@@ -373,8 +375,7 @@ fn possible(
     possible
 }
 
-/// Kernels that the curve of a joint had beside the models at hand, and would have beside a scale of the joint: none of these models
-/// need hold it.
+/// Kernels of a joint's curve in the fitted models, and with an added scale of the joint, which these models need not have.
 fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     let own = || curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
     let beside = own().find_map(beside_a_scale);
@@ -387,22 +388,22 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
-/// Whether a cause follows how warm a joint's own work has made it. Postures that are left out of a fit lie between others of the same run:
-/// that they are predicted well says nothing of another pace, at which the same cause may do many times as much.
+/// Whether a cause follows the warming of a joint by its own motion. Left-out postures lie between others of the same run: a good
+/// prediction of them says nothing about another pace, at which the same cause may be many times as large.
 fn follows_warmth(candidate: &Candidate) -> bool {
     let column = candidate.term.driver.covariate();
     matches!(column.and_then(History::of_column), Some((_, History::Warmth { .. })))
 }
 
-/// The mass that sets hold, told by the names of their members.
+/// Posterior mass of sets, by the names of their members.
 struct Masses<'a> {
     /// Each once.
     names: Vec<&'a Name>,
-    /// Of each name, which sets hold it.
+    /// For each name, the sets that contain it.
     holds: Vec<Vec<bool>>,
     /// Of each set.
     scores: Vec<f64>,
-    /// Logarithm of what all of them hold.
+    /// Logarithm of the total mass.
     whole: f64,
 }
 
@@ -429,7 +430,7 @@ impl<'a> Masses<'a> {
     }
 
     /// # Panics
-    /// The name is none of those that it was made with.
+    /// The name is unknown.
     fn place(&self, name: &Name) -> usize {
         self.names.iter().position(|known| *known == name).expect("every candidate has a name")
     }
@@ -440,12 +441,12 @@ impl<'a> Masses<'a> {
         if top == f64::NEG_INFINITY { top } else { top + scores().map(|score| (score - top).exp()).sum::<f64>().ln() }
     }
 
-    /// Logarithm of the share of the mass that sets hold of which `holds` is true.
+    /// Logarithm of the share of the mass in sets for which `holds` is true.
     fn mass(&self, holds: impl Fn(usize) -> bool) -> f64 {
         (self.sum(holds) - self.whole).min(0.0)
     }
 
-    /// The same of sets that hold a name, and of those that do not.
+    /// The same for sets that contain a name, and for those that do not.
     fn log_present(&self, name: &Name) -> f64 {
         let own = &self.holds[self.place(name)];
         self.mass(|set| own[set])
@@ -456,7 +457,7 @@ impl<'a> Masses<'a> {
         self.mass(|set| !own[set])
     }
 
-    /// Who acts where `mine` does not, and then more than beside it: what acts in any case is no rival.
+    /// Causes that act instead of `mine`: more probable without it than with it. A cause that acts in any case is not a rival.
     fn rivals(&self, mine: &Name) -> Vec<Alternative> {
         let own = &self.holds[self.place(mine)];
         let (present, absent) = (self.log_present(mine), self.log_absent(mine));
@@ -476,7 +477,7 @@ impl<'a> Masses<'a> {
     }
 }
 
-/// By how much the best of the sets of which `holds` is true is better than the best of the others.
+/// Difference between the best score of sets for which `holds` is true and the best of the others.
 fn gain(seen: &Seen, holds: &dyn Fn(&[usize]) -> bool) -> f64 {
     let best = |with: bool| {
         let scores = seen.iter().filter(|(set, _)| holds(set) == with).map(|(_, (score, _))| *score);
@@ -502,8 +503,8 @@ fn log_odds(candidate: &Candidate, counted: &[Candidate], rows: usize) -> f64 {
     -((KINDS.len() * same) as f64).ln() - 0.5 * handicap(kind) - scanned - instrument
 }
 
-/// Whether a cause has the form that an engineer would try first: a whole order, all of a torque, one side or the other, a base that
-/// gives alike each way.
+/// Whether a cause has the form that an engineer would try first: an integer order, a whole torque, one side or the other, a base with
+/// equal compliance in all directions.
 fn is_plain(candidate: &Candidate) -> bool {
     match candidate.term.driver {
         Driver::Harmonic { .. } => candidate.scanned == 0,
@@ -517,19 +518,19 @@ fn is_plain(candidate: &Candidate) -> bool {
     }
 }
 
-/// Whether the sets that are found on so many halves say all that is asked of them.
+/// Whether the sets found on the halves so far are enough for a decision.
 type Enough<'a> = dyn Fn(&[Vec<usize>]) -> bool + Sync + 'a;
 
-/// Of each of these names, with their probabilities, the share of the resampled runs that find it: halves of the run; where too few of these
-/// find what is sure but for that, halves counted twice, if more of them find it.
+/// For each of these names (with their probabilities) the share of half-sample refits that select it. If too few halves select an otherwise
+/// certain cause, halves with every row counted twice are tried, and the larger share is used.
 ///
-/// A half that is counted twice differs from the run by as much as another run of its length would: half of the rows left out gives an
-/// estimate the variance that it has (Shao and Wu, Annals of Statistics 17 (1989), 1176). But where rows are few, curves follow what noise
-/// they have twice. Counted once, what a half tells is its own, but it is half as much: a cause that the run shows well may be too little there.
-/// What either way finds again does not hang on which rows there are.
+/// A half counted twice differs from the run as much as another run of the same length: leaving out half of the rows reproduces the
+/// variance of an estimate (Shao and Wu, Annals of Statistics 17 (1989), 1176). But with few rows, curves follow the doubled noise.
+/// Counted once, a half has no such copies but only half the information: a cause that the run shows well may be too weak there.
+/// A cause that is selected in either way does not depend on particular rows.
 ///
-/// No more halves are searched than it takes to say of each cause that is sure but for this whether enough of all of them find it (a curtailed
-/// test; Wetherill, Sequential Methods in Statistics, 1966), or than [`UNANIMOUS`] where all find it; the share is that of those which were searched.
+/// The search ends as soon as it is decided for each otherwise certain cause whether enough of all halves select it (a curtailed test;
+/// Wetherill, Sequential Methods in Statistics, 1966), or after [`UNANIMOUS`] halves if all select it; the share refers to the halves searched.
 fn found_again<N: Sync>(
     names: &[(f64, N)],
     sought: &dyn Fn(f64, &Enough<'_>) -> Vec<Vec<usize>>,
@@ -558,20 +559,20 @@ fn found_again<N: Sync>(
     again
 }
 
-/// The share of these sets of which `holds` is true.
+/// The share of these sets for which `holds` is true.
 fn share(sets: &[Vec<usize>], holds: impl Fn(&[usize]) -> bool) -> f64 {
     sets.iter().filter(|set| holds(set)).count() as f64 / sets.len().max(1) as f64
 }
 
-/// Whether the halves that were searched, which found a cause or did not, say whether enough of all halves find it.
+/// Whether the halves searched so far decide whether enough of all halves find a cause.
 fn decided(found: impl Iterator<Item = bool>, searched: usize) -> bool {
     let (all, found) = (2 * SPLITS, found.filter(|found| *found).count());
     let enough = |found: usize| found as f64 >= FOUND_AGAIN * all as f64;
     enough(found) || !enough(found + all - searched) || (found == searched && searched >= UNANIMOUS)
 }
 
-/// What is found on halves of the run, on as many as are enough, each row counted so often; the run is split into two halves again and again
-/// (complementary pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
+/// The sets found on halves of the run, until there are enough, with each row counted `counted` times. The run is split repeatedly into two
+/// halves (complementary pairs; Shah and Samworth, Journal of the Royal Statistical Society B 75 (2013), 55).
 fn resampled(
     parts: &[Gram],
     counted: f64,
@@ -629,7 +630,7 @@ mod tests {
         assert_eq!(again(0.99, &late, &never), (24.0 / 25.0, vec![25]));
         let late: Vec<bool> = (0..all).map(|half| half != 1 && half < 24).collect();
         assert_eq!(again(0.99, &late, &never), (23.0 / 30.0, vec![30, 10]));
-        // Nothing hangs on it where a cause is not probable.
+        // It does not matter for a cause that is not probable.
         assert_eq!(again(0.5, &always, &never), (1.0, vec![10]));
     }
 

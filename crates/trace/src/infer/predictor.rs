@@ -1,12 +1,12 @@
-//! What a prediction holds beside causes that are named: the best set among the models without structure that has no name, for such
-//! structure says that something is there, but predicts nothing.
+//! Effects that are included for the prediction although they are not named: the best set among models without unexplained structure,
+//! as such structure predicts nothing.
 
 use crate::infer::contest::{Contest, Marginal, Seen, Setting, best_of};
 use crate::infer::gram::Gram;
 use denavit_linear::threads::{get_or_make, in_parallel};
 use std::sync::OnceLock;
 
-/// The best set that predicts, and those that it was found among.
+/// The best set for the prediction, and all sets seen.
 pub(super) struct Predictor<'a> {
     contest: &'a Contest<'a>,
     settings: Vec<&'a Setting>,
@@ -15,12 +15,12 @@ pub(super) struct Predictor<'a> {
     parts: &'a [Gram],
     pub(super) set: Vec<usize>,
     pub(super) seen: Seen,
-    /// What the set leaves of each part.
+    /// The set's squared residual in each part.
     left: OnceLock<Option<Vec<f64>>>,
 }
 
 impl<'a> Predictor<'a> {
-    /// The best of the sets that are found from these, at the settings without structure that suit them.
+    /// The best set found from these starts, at their best settings without structure.
     pub(super) fn new(
         contest: &'a Contest<'a>,
         settings: &'a [(Marginal, Setting)],
@@ -37,27 +37,27 @@ impl<'a> Predictor<'a> {
         Self { contest, settings, grounds, parts, set: best_of(&seen), seen, left: OnceLock::new() }
     }
 
-    /// Whether rows that were not fitted become better with a member of the set than without it, by more than chance makes of it; parts
-    /// of the run are left out one after the other.
+    /// Whether a member of the set improves the prediction of left-out rows by more than chance; parts of the run are left out one after
+    /// the other.
     pub(super) fn pays(&self, member: usize) -> bool {
         let without: Vec<usize> = self.set.iter().copied().filter(|&other| other != member).collect();
         let (Some(with), Some(without)) = (self.own(), self.held_out(&without)) else { return false };
         beyond_chance(&without.iter().zip(with).map(|(without, with)| without - with).collect::<Vec<f64>>())
     }
 
-    /// Whether rows that were not fitted are no worse with the set than with another at its setting, structure without a name in it, but for
-    /// chance: such structure is then not needed.
+    /// Whether the set predicts left-out rows as well, up to chance, as another set at its setting with unexplained structure: such
+    /// structure is then not needed.
     pub(super) fn does_as_well_as(&self, other: &[usize], setting: &Setting) -> bool {
         let (Some(own), Some(other)) = (self.own(), self.held_out_at(other, setting)) else { return false };
         !beyond_chance(&own.iter().zip(other).map(|(own, other)| own - other).collect::<Vec<f64>>())
     }
 
-    /// What its own set leaves of each part.
+    /// The squared residual of its own set in each part.
     fn own(&self) -> Option<&Vec<f64>> {
         get_or_make(&self.left, || self.held_out(&self.set)).as_ref()
     }
 
-    /// Squares of what a set, curves beside it, leaves of each part, in units of the noise, by a model of the others.
+    /// Squared residuals of each part, in units of the noise, under the set with curves fitted to the other parts.
     fn held_out(&self, set: &[usize]) -> Option<Vec<f64>> {
         self.held_out_at(set, self.settings.get(self.contest.best(&self.grounds, set).1)?)
     }

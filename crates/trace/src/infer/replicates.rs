@@ -1,8 +1,8 @@
-//! Values that share what the model misses: rows that repeat a posture, targets that are seen in one row.
+//! Values that share a misfit: rows that repeat a posture, targets that are seen in one row.
 //!
-//! Taken as independent they would let a curve learn the misfit of each posture, and a cause look surer than it is. A group
-//! of m values whose errors are alike to the share r tells as much as m/(1 + (m - 1) r) values of their own (the design
-//! effect of cluster samples, Kish 1965).
+//! If they counted as independent, a curve could learn the misfit of each posture, and a cause would look more certain than it is. A
+//! group of m values with the intraclass correlation r counts as m/(1 + (m - 1) r) independent values (the design effect of
+//! cluster samples, Kish 1965).
 
 use denavit_identify::residual_statistics::Residual;
 use denavit_measurements::Measurements;

@@ -10,7 +10,7 @@ use crate::expression::{Value, parse_integer};
 use crate::place::Spot;
 use crate::tree::{Element, Node};
 
-/// Names that were xacro elements without the prefix, in the old days, and that nobody else uses.
+/// Names that old xacro versions allowed without the prefix, and that nobody else uses.
 const OLD_NAMES: &[&str] = &["macro", "if", "unless", "insert_block"];
 
 impl Expander<'_> {
@@ -73,7 +73,7 @@ impl Expander<'_> {
                 let spot = element.spot_of(attribute);
                 self.note(
                     &spot,
-                    format!("<{}> knows no attribute \"{}\": it is ignored", element.name, attribute.name),
+                    format!("<{}> does not take the attribute \"{}\": it is ignored", element.name, attribute.name),
                 );
             }
         }
@@ -100,7 +100,7 @@ impl Expander<'_> {
         }
     }
 
-    /// Whether a value means true, where only truth values and integers mean anything.
+    /// Whether a value is true; only truth values and integers are valid.
     pub fn truth(value: &Value, text: &str, spot: &Spot) -> Outcome<bool> {
         let Value::Text(words) = value else { return Ok(value.is_true()) };
         match &**words {
@@ -155,7 +155,7 @@ impl Expander<'_> {
         if let Some(Value::Block(block)) = block("**")? {
             if let Some(attribute) = block.attributes.first().filter(|_| &*block.name != "xacro:property") {
                 let message = format!(
-                    "the attribute \"{}\" of <{}> is ignored: of a block \"**{name_text}\" only what is in it is inserted",
+                    "the attribute \"{}\" of <{}> is ignored: a block \"**{name_text}\" inserts only its children",
                     attribute.name, block.name
                 );
                 self.note(&element.spot(), message);
@@ -184,7 +184,7 @@ impl Expander<'_> {
         .at(&element.spot_of(name)))
     }
 
-    /// Evaluates the children without asking whether they are xacro elements themselves.
+    /// Evaluates the children without checking whether they are xacro elements themselves.
     fn plain_children(&mut self, holder: &Element, sight: &Sight, output: &mut Output) -> Outcome<()> {
         for child in holder.elements() {
             let produced = self.element(child, sight)?;
@@ -221,7 +221,7 @@ impl Expander<'_> {
         } else {
             self.note(
                 &element.spot(),
-                format!("<xacro:attribute> \"{words}\" has no effect here: it must stand right inside the element that gets it"),
+                format!("<xacro:attribute> \"{words}\" has no effect here: it must be a direct child of the element that gets it"),
             );
         }
         Ok(())

@@ -19,7 +19,7 @@ use crate::write;
 
 pub(super) type Outcome<T> = Result<T, Box<XacroError>>;
 
-/// What holds for the whole expansion.
+/// The state of the whole expansion.
 pub(super) struct Expander<'a> {
     pub options: &'a Options,
     pub packages: PackagePath,
@@ -37,13 +37,13 @@ pub(super) struct Expander<'a> {
     pub evaluating: Vec<Rc<str>>,
     pub parsed: HashMap<Rc<str>, Rc<Expression>>,
     pub documents: HashMap<PathBuf, Rc<Document>>,
-    /// The macro call that is being carried out.
+    /// The macro call that is being expanded.
     pub call: Option<Rc<Call>>,
-    /// What expressions came to, where that is asked for.
+    /// Values of expressions, if requested.
     pub values: Vec<EvaluatedAt>,
 }
 
-/// Macros and properties in sight.
+/// Visible macros and properties.
 #[derive(Clone)]
 pub(super) struct Sight {
     pub macros: Rc<Macros>,
@@ -151,7 +151,7 @@ impl Expander<'_> {
     fn note_unused_arguments(&mut self) {
         for (name, _) in self.given {
             if !self.declared.iter().any(|argument| argument.name == *name) {
-                let message = format!("the argument \"{name}\" is given, but the document declares none of that name");
+                let message = format!("the argument \"{name}\" is given, but the document does not declare it");
                 self.notes.push(Note { place: None, message });
             }
         }
@@ -174,7 +174,8 @@ impl Expander<'_> {
         for attribute in &source.attributes {
             if attribute.name.starts_with("xacro:") {
                 if &*attribute.name != "xacro:targetNamespace" {
-                    let message = format!("<{}> knows no attribute \"{}\": it is ignored", source.name, attribute.name);
+                    let message =
+                        format!("<{}> does not take the attribute \"{}\": it is ignored", source.name, attribute.name);
                     self.note(&source.spot_of(attribute), message);
                 }
                 continue;

@@ -22,7 +22,7 @@ impl Expander<'_> {
             name = short;
         }
         if name == "call" || name.contains('.') {
-            let reason = if name == "call" { "it calls macros by name" } else { "\".\" separates namespaces" };
+            let reason = if name == "call" { "it calls a macro by its name" } else { "\".\" separates namespaces" };
             return Err(XacroError::new(
                 ErrorKind::Element,
                 format!("\"{name}\" cannot be the name of a macro: {reason}"),
@@ -81,7 +81,7 @@ impl Expander<'_> {
         for name in output.import_namespaces(&produced.namespaces) {
             self.note(
                 &element.spot(),
-                format!("\"{name}\" is declared again with another meaning: the first one holds"),
+                format!("\"{name}\" is declared again with another meaning: the first one is used"),
             );
         }
         output.extend(produced.children);
@@ -177,7 +177,7 @@ fn default_range(params: &str, default: &str) -> std::ops::Range<usize> {
     at..at + default.len()
 }
 
-/// The macro of a name, perhaps with namespaces before it, and the sight that it is called in.
+/// The macro of a name, perhaps with namespaces before it, and the scope that it is called in.
 fn find(name: &str, sight: &Sight) -> Option<(Sight, Rc<Macro>)> {
     if let Some(found) = sight.macros.find_macro(name) {
         return Some((sight.clone(), found));

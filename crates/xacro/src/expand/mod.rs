@@ -27,7 +27,7 @@ pub enum Source {
     Path(PathBuf),
     /// A text, from standard input for example.
     Text {
-        /// What messages call it.
+        /// Its name in messages.
         name: String,
         /// The XML.
         text: String,
@@ -57,9 +57,9 @@ pub struct Options {
     pub environment: Environment,
     /// Which files may be read.
     pub access: FileAccess,
-    /// Bounds on what the document may cost.
+    /// Bounds on the resources of the document.
     pub limits: Limits,
-    /// Whether the result says where everything in it comes from.
+    /// Whether the result includes the source of everything in it.
     pub trace: bool,
 }
 
@@ -69,17 +69,17 @@ pub struct Options {
 pub struct Expanded {
     /// The URDF, as text.
     pub urdf: String,
-    /// What the user should hear of, in the order of its finding.
+    /// Notes for the user, in the order in which they were found.
     pub notes: Vec<Note>,
     /// Every file that was read, the document first, each once.
     pub files_read: Vec<PathBuf>,
     /// The arguments that the document declares, in order.
     pub arguments: Vec<Argument>,
-    /// Where everything in it comes from, where that was asked for.
+    /// The source of everything in it, if requested.
     pub trace: Option<Trace>,
 }
 
-/// Something that is no error, but may not be meant.
+/// Something that is not an error, but may be unintended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Note {
     /// Where.
@@ -124,7 +124,7 @@ const STACK: usize = 256 << 20;
 /// same content.
 ///
 /// # Errors
-/// The first failure, with its place and the way to it; the result is all or nothing.
+/// The first failure, with its place and the calls that led there; the result is all or nothing.
 ///
 /// # Validation
 /// Tests `vendors_files_expand_as_the_python_tool_does` and `tests/oracle/xacro`: see `docs/xacro.md` for the figures.

@@ -26,9 +26,9 @@ impl Output {
         self.element.children.extend(nodes);
     }
 
-    /// Drops the comments right before a xacro element: they speak about it and not about the result.
+    /// Drops the comments right before a xacro element: they describe it and not the result.
     ///
-    /// A blank line keeps what stands above it.
+    /// A blank line keeps the comments above it.
     pub fn drop_comments(&mut self) {
         let children = &mut self.element.children;
         let mut at = children.len();
@@ -53,7 +53,7 @@ impl Output {
         self.barrier = self.element.children.len();
     }
 
-    /// Takes over namespace declarations; returns those that contradict one that is there.
+    /// Takes over namespace declarations; returns those that contradict an existing one.
     pub fn import_namespaces(&mut self, namespaces: &[(Rc<str>, Rc<str>)]) -> Vec<Rc<str>> {
         let mut contradictions = Vec::new();
         for (name, uri) in namespaces.iter().filter(|(name, _)| name.starts_with("xmlns:") && &**name != "xmlns:xacro")

@@ -15,8 +15,9 @@ impl Expander<'_> {
         let scope = &sight.symbols;
         let name = self.words(&name.value, &spot, scope)?;
         if !is_name(&name) || name.starts_with("__") {
-            return Err(Self::wrong(element, format!("\"{name}\" cannot be the name of a property"))
-                .help("write letters, digits and \"_\", no digit or \"__\" first, and no word of Python"));
+            return Err(Self::wrong(element, format!("\"{name}\" cannot be the name of a property")).help(
+                "use letters, digits and \"_\"; do not start with a digit or \"__\", and do not use a Python keyword",
+            ));
         }
         let remove = self.flag(element, "remove", false, sight)?;
         let value = element.attribute("value");
@@ -42,7 +43,7 @@ impl Expander<'_> {
             if matches!(kind, Some("global" | "parent")) {
                 self.note(
                     &element.spot(),
-                    format!("the default of property \"{name}\" is set in the local scope only"),
+                    format!("the default of property \"{name}\" is set only in the local scope"),
                 );
             }
             if is_known || is_global(&name) {
@@ -66,7 +67,7 @@ impl Expander<'_> {
             other => {
                 if let Some(other) = other.filter(|other| !["", "local"].contains(other)) {
                     let message = format!(
-                        "the scope \"{other}\" is not known, and is taken as \"local\"; known are \"parent\", \"global\" and \"local\""
+                        "the scope \"{other}\" is not known, so \"local\" is used; known are \"parent\", \"global\" and \"local\""
                     );
                     self.note(&element.spot(), message);
                 }

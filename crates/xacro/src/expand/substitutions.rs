@@ -80,7 +80,7 @@ impl Expander<'_> {
                 })
             }
             Substitution::Refused(word) => {
-                Err(XacroError::new(ErrorKind::Refused, format!("$({word} …) is never carried out"))
+                Err(XacroError::new(ErrorKind::Refused, format!("$({word} …) is never executed"))
                     .help("pass the value as an argument: name:=value"))
             }
             Substitution::Wrong(message) => Err(XacroError::new(ErrorKind::Syntax, message)

@@ -1,4 +1,4 @@
-//! Texts with `${…}` and `$(…)` into values, and what expressions see of the document.
+//! Texts with `${…}` and `$(…)` into values, and the document as expressions see it.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -14,7 +14,7 @@ use crate::text::{Segment, segments};
 use crate::trace::EvaluatedAt;
 use crate::yaml;
 
-/// Values beyond these are not traced.
+/// Values beyond this number are not traced.
 const MOST_VALUES: usize = 100_000;
 
 impl Expander<'_> {
@@ -24,9 +24,11 @@ impl Expander<'_> {
             return Ok(Value::text(text));
         }
         let parts = segments(text).map_err(|range| {
-            let message = format!("\"{}\" makes no sense", &text[range.clone()]);
+            let message = format!("\"{}\" is not valid", &text[range.clone()]);
             XacroError::new(ErrorKind::Syntax, message)
-                .help("close \"${\" with \"}\" and \"$(\" with \")\"; a dollar that means itself before a bracket is \"$$\"")
+                .help(
+                    "close \"${\" with \"}\" and \"$(\" with \")\"; write \"$$\" for a literal dollar before a bracket",
+                )
                 .at(&spot.within(text, range))
         })?;
         self.meter.step(parts.len())?;
@@ -124,7 +126,7 @@ impl Expander<'_> {
                 let first = chain.iter().position(|known| *known == name).unwrap_or(0);
                 return Err(XacroError::new(
                     ErrorKind::Evaluation,
-                    format!("property \"{name}\" is defined by itself: {}", chain[first..].join(" → ")),
+                    format!("property \"{name}\" is defined in terms of itself: {}", chain[first..].join(" → ")),
                 )
                 .help("write lazy_eval=\"false\" on the property to use the value that it had before"));
             }

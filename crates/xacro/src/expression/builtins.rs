@@ -67,8 +67,8 @@ const PYTHON: &[&str] = &[
     "zip",
 ];
 
-/// Python functions that the Python tool offers without their namespace; the others are a courtesy of ours, which a
-/// document's own names may hide without a word.
+/// Python functions that the Python tool offers without their namespace; the others are an extension, which a
+/// document's own names may hide without a note.
 const PYTHON_GLOBAL: &[&str] =
     &["bool", "dict", "float", "int", "len", "list", "map", "max", "min", "range", "round", "sorted", "str"];
 

@@ -12,7 +12,7 @@ use crate::error::ErrorKind;
 use crate::limits::Meter;
 use crate::scope::Scope;
 
-/// What an expression may ask of the document that it is in.
+/// The document as an expression sees it.
 pub(crate) trait Host {
     /// The value of a name that is not local to the expression.
     fn name(&mut self, name: &str) -> Result<Value, Fault>;
@@ -251,11 +251,7 @@ impl Evaluator<'_> {
         }
         let count = length(&item);
         if count != Some(targets.len()) {
-            return Err(Fault::value(format!(
-                "{} cannot be taken apart into {} names",
-                describe(&item),
-                targets.len()
-            )));
+            return Err(Fault::value(format!("{} cannot be unpacked into {} names", describe(&item), targets.len())));
         }
         let parts = self.items(&item)?;
         self.locals.extend(targets.iter().cloned().zip(parts));
@@ -264,8 +260,7 @@ impl Evaluator<'_> {
 
     /// What a loop over `value` goes through.
     pub fn items(&mut self, value: &Value) -> Result<Vec<Value>, Fault> {
-        let count =
-            length(value).ok_or_else(|| Fault::value(format!("{} has no items to go through", describe(value))))?;
+        let count = length(value).ok_or_else(|| Fault::value(format!("{} cannot be iterated", describe(value))))?;
         self.meter().step(count)?;
         Ok(match value {
             Value::Text(text) => text.chars().map(|c| Value::text(c.encode_utf8(&mut [0; 4]))).collect(),

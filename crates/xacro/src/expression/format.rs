@@ -19,7 +19,7 @@ struct Specification {
     kind: Option<char>,
 }
 
-/// Wider fields are no text for a robot.
+/// Wider fields are refused.
 const WIDEST: usize = 10_000;
 
 /// `template % values`
@@ -138,7 +138,7 @@ pub(super) fn brace_format(
             rest = after;
             continue;
         }
-        let unbalanced = || Fault::value("the format has a single brace; write it twice to mean itself");
+        let unbalanced = || Fault::value("the format has a single brace; double it for a literal brace");
         if brace == "}" {
             return Err(unbalanced());
         }
@@ -174,7 +174,7 @@ fn field_value(
 ) -> Result<Value, Fault> {
     let end = path.find(['.', '[']).unwrap_or(path.len());
     let head = &path[..end];
-    let missing = || Fault::value(format!("the format asks for \"{head}\", which is not given"));
+    let missing = || Fault::value(format!("the format needs \"{head}\", which is not given"));
     let mut value = if head.is_empty() {
         *automatic += 1;
         plain
@@ -288,7 +288,7 @@ fn write_value(value: &Value, specification: &Specification, meter: &mut Meter) 
         }
         (Some('c'), Some(integer)) => {
             let c = u32::try_from(integer).ok().and_then(char::from_u32);
-            let c = c.ok_or_else(|| Fault::value(format!("{integer} is no character")))?;
+            let c = c.ok_or_else(|| Fault::value(format!("{integer} is not a character")))?;
             return Ok(pad("", &c.to_string(), specification, '<'));
         }
         _ => {

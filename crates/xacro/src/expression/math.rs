@@ -180,7 +180,7 @@ pub(super) fn rounded(value: f64) -> Result<Value, Fault> {
     // 2^127 as f64: below it the conversion is exact.
     const BOUND: f64 = 1.701_411_834_604_692_3e38;
     if !value.is_finite() || value.abs() >= BOUND {
-        return Err(Fault::value(format!("{value} has no integer")));
+        return Err(Fault::value(format!("{value} cannot be converted to an integer")));
     }
     #[allow(clippy::cast_possible_truncation, reason = "within ±2^127, as was just checked")]
     let integer = value as i128;

@@ -30,7 +30,7 @@ use std::ops::Range;
 
 use crate::error::{ErrorKind, XacroError};
 
-/// A failure inside an expression, with the part of its text that is at fault.
+/// A failure inside an expression, with the wrong part of its text.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub error: Box<XacroError>,

@@ -116,8 +116,8 @@ fn integers(operator: Binary, a: i128, b: i128) -> Result<Value, Fault> {
 }
 
 fn too_large() -> Fault {
-    Fault::new(ErrorKind::Limit, "the result is an integer of more than 127 bits")
-        .help("calculate with floats: write 10.0 in place of 10")
+    Fault::new(ErrorKind::Limit, "the result is an integer with more than 127 bits")
+        .help("calculate with floats: write 10.0 instead of 10")
 }
 
 fn division_by_zero() -> Fault {
@@ -309,7 +309,7 @@ fn contains(container: &Value, item: &Value, meter: &mut Meter) -> Result<bool, 
             Ok(false)
         }
         (Value::Dict(dict), _) => Ok(dict.get(item)?.is_some()),
-        _ => Err(Fault::value(format!("\"in\" cannot look into {}", describe(container)))),
+        _ => Err(Fault::value(format!("\"in\" cannot search {}", describe(container)))),
     }
 }
 
@@ -331,7 +331,7 @@ pub(super) fn index(container: &Value, index: &Value, meter: &mut Meter) -> Resu
     let (Some(length), Some(position)) = (length(container), index.as_integer()) else {
         return Err(match length(container) {
             Some(_) => Fault::value(format!("an index must be an integer, not {}", describe(index))),
-            None => Fault::value(format!("{} has no items to take one of", describe(container))),
+            None => Fault::value(format!("{} cannot be indexed", describe(container))),
         });
     };
     let from_start = if position < 0 { position + length as i128 } else { position };
@@ -384,7 +384,7 @@ pub(super) fn dotted(entries: &[(Value, Value)], key: &str) -> Fault {
 /// `container[start:stop:step]`
 pub(super) fn slice(container: &Value, parts: &[Option<Value>; 3], meter: &mut Meter) -> Result<Value, Fault> {
     let Some(length) = length(container).filter(|_| !matches!(container, Value::Dict(_))) else {
-        return Err(Fault::value(format!("{} has no items to take some of", describe(container))));
+        return Err(Fault::value(format!("{} cannot be sliced", describe(container))));
     };
     let mut bounds = [None; 3];
     for (bound, part) in bounds.iter_mut().zip(parts) {

@@ -8,7 +8,7 @@ use super::lexer::{Token, tokens};
 use super::syntax::{Binary, Comparison, Expression, Kind, Lambda, Unary};
 use crate::error::ErrorKind;
 
-/// Parentheses, operators and the like nested deeper than this are no formula; the parser recurses.
+/// Parentheses, operators and the like nested deeper than this are refused, since the parser recurses.
 pub(super) const DEEPEST: usize = 100;
 
 const KEYWORDS: &[&str] = &[
@@ -17,7 +17,7 @@ const KEYWORDS: &[&str] = &[
     "return", "try", "while", "with", "yield", "None", "True", "False",
 ];
 
-/// Whether `name` can name a property or macro: a Python identifier that is no keyword.
+/// Whether `name` can name a property or macro: a Python identifier that is not a keyword.
 pub(crate) fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c == '_' || c.is_alphabetic())
         && name.chars().all(|c| c == '_' || c.is_alphanumeric())

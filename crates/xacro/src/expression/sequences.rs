@@ -1,4 +1,4 @@
-//! Functions over sequences: `min`, `sorted`, `map`, `range` and their kin.
+//! Functions over sequences: `min`, `sorted`, `map`, `range` and similar.
 
 use std::rc::Rc;
 
@@ -74,7 +74,7 @@ fn ordered(a: &Value, b: &Value, evaluator: &mut Evaluator<'_>) -> Result<std::c
         Some(ordering) => Ok(ordering),
         // NaN, which Python leaves where it is.
         None if numbers => Ok(std::cmp::Ordering::Equal),
-        None => Err(Fault::value(format!("{} and {} have no order", describe(a), describe(b)))),
+        None => Err(Fault::value(format!("{} and {} cannot be ordered", describe(a), describe(b)))),
     }
 }
 

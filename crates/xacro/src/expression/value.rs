@@ -98,7 +98,7 @@ impl Value {
         Self::Tuple(Rc::new(items))
     }
 
-    /// What Python calls the type.
+    /// Python's name of the type.
     pub fn type_name(&self) -> &'static str {
         match self {
             Self::None => "NoneType",

@@ -1,9 +1,9 @@
-//! Walks through folders for packages.
+//! Searches folders for packages.
 
 use crate::files;
 use std::path::{Path, PathBuf};
 
-/// Larger trees are no search path but somebody's home.
+/// Larger trees are not a search path but probably a home folder.
 const MOST_FOLDERS: usize = 20_000;
 
 /// The name that a folder's `package.xml` gives; `None` where there is none, or it has no name.

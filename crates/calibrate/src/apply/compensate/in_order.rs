@@ -11,12 +11,12 @@ use denavit_measurements::poses::Poses;
 use denavit_measurements::{Covariate, Covariates, MissingColumn};
 use denavit_model::Chain;
 
-/// One command per pose. A search starts at the row's joint values, else where the last one ended; sides of approach, how far joints have
-/// wound themselves up and how warm they have become since the first command are those that the nominal commands have in this
-/// order where nobody gives them, warmth by the clock with a column `time` of the poses.
+/// One command per pose. A search starts at the row's joint values, else where the last one ended. Sides of approach, windup of joints
+/// and their warming since the first command follow from the order of the nominal commands unless they are given; warming uses the
+/// column `time` of the poses, if there is one.
 ///
 /// # Errors
-/// An effect with a part in where the tip is follows what is neither a column of the poses nor given.
+/// An effect that moves the tip follows a quantity that is neither a column of the poses nor given.
 pub fn in_order(
     nominal: &Chain,
     calibrated: &Chain,
@@ -81,8 +81,8 @@ pub fn in_order(
     Ok(commands)
 }
 
-/// What the effects follow, pose by pose: as a column of the poses, else as given for all of them. What the order tells and is
-/// neither stands at 0; each of these with its coordinate.
+/// The quantities that effects follow, pose by pose: from a column of the poses, else as given for all of them. Quantities that follow
+/// from the order and are neither are at 0; each of these with its coordinate.
 fn followed(
     effects: &SavedEffects,
     chain: &Chain,
@@ -96,7 +96,7 @@ fn followed(
         let column = poses.covariates.iter().find(|column| column.name == plain).map(|column| column.values.clone());
         let side = || {
             let (joint, told) = History::of_column(&plain)?;
-            // Without a clock nobody knows what it would have told: the column is missing.
+            // Without a clock the value is unknown: the column is missing.
             if told.needs_a_clock() && !poses.covariates.iter().any(|column| column.name == TIME) {
                 return None;
             }

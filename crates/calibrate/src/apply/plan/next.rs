@@ -1,4 +1,4 @@
-//! The one pose that would help most next, given all that was measured so far.
+//! The most informative next pose, given the rows measured so far.
 //!
 //! With C the covariance of a fit's parameters and R a pose's Jacobian over the noise, measuring there makes the determinant of
 //! the information det(I + R C Rᵀ) times as large, and the covariance C - C Rᵀ (I + R C Rᵀ)⁻¹ R C: the plan's criterion, a pose
@@ -22,13 +22,13 @@ pub struct NextPose {
     pub covariance: DMatrix<f64>,
 }
 
-/// What candidates say of a fit.
+/// The candidates evaluated for a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlook {
-    /// The candidate that would help most; none where no candidate can be measured.
+    /// The most informative candidate; `None` if no candidate can be measured.
     pub next: Option<NextPose>,
-    /// How surely the fit predicts what is measured at the candidates: root mean square over them of the standard deviation of
-    /// the lengths together, m. Noise is not counted.
+    /// Uncertainty of the fit's predictions at the candidates: root mean square over them of the standard deviation of all lengths
+    /// together, m, without noise.
     pub prediction: f64,
 }
 
@@ -45,9 +45,9 @@ pub fn within_limits(chain: &Chain, options: &PlanOptions) -> Result<Vec<Vec<f64
     Ok(candidates(chain, options)?.into_iter().filter(|q| allowed(chain, &arm, q, &anywhere)).collect())
 }
 
-/// Looks at every candidate (one value per coordinate, rad or m), at which the `series` of the data would be observed.
+/// Evaluates every candidate (one value per coordinate, rad or m), at which the `series` of the data would be observed.
 ///
-/// Candidates at which one cannot see anything, or whose target is outside of the box of `options`, are left out.
+/// Candidates without an observation, or with a target outside the box of `options`, are left out.
 pub fn outlook(
     fit: &Fit<NoEffects>,
     data: &Measurements,

@@ -1,13 +1,13 @@
-//! The poses that distinguish causes between which a run cannot decide; and where there is one cause only, those that make what is
-//! predicted surest.
+//! Poses that distinguish causes between which a run cannot decide; if there is one set of causes only, poses that reduce the variance
+//! of the prediction.
 //!
-//! With z what hypothesis a expects at the poses, X the columns of b (geometry and frames G F, curves C, its causes A_b) at the
-//! rows measured and P their prior, M = XᵀX + P, a pose with the rows x raises the noncentrality d² of b's lack of fit by
-//! rᵀ (I + x M⁻¹ xᵀ)⁻¹ r, where r is the difference of what a and b expect there, both fitted to what was measured before
-//! (T-optimality: Atkinson, Fedorov 1975). Poses are chosen so that the bound Σ √(p_a p_b) exp(-d²/8) on the probability of a
-//! wrong choice falls most (Kailath 1967): a soft minimum over the pairs of hypotheses. The odds that are then reported are the
-//! exact expectation for normal predictions, as Box and Hill (1967) have it. Where nothing is open, or everything that is will
-//! be distinguished, poses lower the mean variance of prediction over the joint range (V-optimality: Fedorov 1972).
+//! Let X be the columns of hypothesis b (geometry and frames G F, curves C, its causes A_b) in the measured rows, P their prior, and
+//! M = XᵀX + P. If hypothesis a is true, a pose with the rows x raises the noncentrality d² of b's lack of fit by
+//! rᵀ (I + x M⁻¹ xᵀ)⁻¹ r, where r is the difference of the predictions of a and b there, both fitted to the rows measured before
+//! (T-optimality: Atkinson, Fedorov 1975). The chosen poses lower most the bound Σ √(p_a p_b) exp(-d²/8) on the probability of a
+//! wrong choice (Kailath 1967), a soft minimum over the pairs of hypotheses. The reported odds are the exact expectation for normal
+//! predictions (Box and Hill 1967). If no cause is uncertain, or all will be distinguished, further poses lower the mean variance of
+//! the prediction over the joint range (V-optimality: Fedorov 1972).
 
 mod design;
 mod written;
@@ -21,14 +21,14 @@ use denavit_model::Chain;
 use denavit_trace::infer::hypotheses::{Approached, Cause, Hypotheses, Hypothesis, Open};
 use serde::Serialize;
 
-/// Joints whose side of approach is offered both ways, at most: each doubles the candidates.
+/// Largest number of joints with both sides of approach among the candidates: each doubles their number.
 const MOST_SIDES: usize = 2;
-/// Poses at which the prediction is judged.
+/// Number of poses at which the prediction is evaluated.
 const JUDGED: usize = 200;
-/// A pair whose odds are expected to rise by less than this factor, logarithm, is not separated.
+/// Smallest expected rise of a pair's odds that counts as separated, logarithm.
 const SEPARATED: f64 = 1.0;
 
-/// A set of causes that the data leave possible.
+/// A set of causes that remains possible.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Possible {
     /// The causes.
@@ -40,28 +40,28 @@ pub struct Possible {
     /// Its logarithm.
     #[serde(skip)]
     pub log_probability: f64,
-    /// Columns beside the joints that its causes follow, such as temperature.
+    /// Columns other than joints that its causes follow, such as temperature.
     pub follows: Vec<String>,
 }
 
-/// Two of them, and how far the poses are expected to tell them apart.
+/// Two of them, and how well the poses are expected to distinguish them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pair {
     /// Their places in the list, counted from 0.
     pub of: [usize; 2],
     /// Natural logarithm of the odds of the first against the second now.
     pub log_odds: f64,
-    /// What it is expected to be once the poses are measured, if the first is true.
+    /// Its expected value after the poses are measured, if the first is true.
     pub expected_if_first: f64,
     /// The same if the second is.
     pub expected_if_second: f64,
-    /// Whether the poses tell them apart at all.
+    /// Whether the poses distinguish them.
     pub separated: bool,
     /// What only one of the two follows and poses do not vary.
     pub vary: Vec<String>,
 }
 
-/// Error that is left unsure, m: root mean square over the joint range, or over the candidates where they were given.
+/// Uncertainty of the prediction, m: root mean square over the joint range, or over the candidates if they were given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Unsure {
     /// Now.
@@ -70,18 +70,18 @@ pub struct Unsure {
     pub expected: f64,
 }
 
-/// What is open, and what is expected of the poses.
+/// The possible causes, and what the poses are expected to show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Prospect {
     /// Poses chosen.
     pub poses: usize,
-    /// How many of them to tell apart what is possible; the others are for the prediction.
+    /// How many of them distinguish causes; the others are for the prediction.
     pub for_separation: usize,
-    /// What is left possible, the most probable first; one: nothing is open.
+    /// The possible sets of causes, the most probable first; one: no cause is uncertain.
     pub possible: Vec<Possible>,
     /// Every pair of them.
     pub pairs: Vec<Pair>,
-    /// Error that is left unsure.
+    /// Uncertainty of the prediction.
     pub unsure: Unsure,
 }
 
@@ -107,7 +107,7 @@ pub struct TellApart {
     pub candidates: Vec<usize>,
     /// Candidates that could be used.
     pub usable: usize,
-    /// Whether the prediction is judged at candidates that were given, and not over the joint range.
+    /// Whether the prediction is evaluated at given candidates instead of over the joint range.
     pub at_given: bool,
     /// Sides of approach that matter.
     pub approach: Vec<Approach>,
@@ -115,7 +115,7 @@ pub struct TellApart {
     pub prospect: Prospect,
 }
 
-/// Chooses `count` poses of the options' candidates for what is open about the run `data`.
+/// Chooses `count` poses of the options' candidates to distinguish the possible causes of the run `data`.
 ///
 /// # Shape and units
 /// `data`: the rows that were fitted, with the columns that the fit was given.
@@ -176,7 +176,7 @@ pub fn tell_apart(open: &Open, data: &Measurements, options: &PlanOptions) -> Re
     })
 }
 
-/// Poses at which the prediction is judged: some of the candidates where they were given, else spread over the joint limits.
+/// Poses at which the prediction is evaluated: some of the candidates if they were given, else spread over the joint limits.
 fn judged(chain: &Chain, options: &PlanOptions, given: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, PlanError> {
     if options.candidates.is_some() {
         return Ok(given.iter().step_by(given.len().div_ceil(JUDGED).max(1)).map(|pose| (*pose).clone()).collect());
@@ -186,7 +186,7 @@ fn judged(chain: &Chain, options: &PlanOptions, given: &[&Vec<f64>]) -> Result<V
     candidates(chain, &anywhere)
 }
 
-/// What was observed in the last row that says more than where a target sits.
+/// The observations in the last row that determine more than the place of a target.
 fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     let last = (0..data.len()).rev().find(|&row| !data.locate[row]);
     let series: Vec<usize> = last
@@ -195,7 +195,7 @@ fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     held.map_or(Ok(series), |kind| Err(PlanError::InContact(kind)))
 }
 
-/// The columns of rows to come: what `told` says, else what stood in the last row; run order continues.
+/// The columns of future rows: values of `told`, else those of the last row; run order continues.
 fn recorded(data: &Measurements, rows: usize, told: impl Fn(&str, usize) -> Option<f64>) -> Covariates {
     let columns = data.covariates.iter().map(|column| {
         let last = column.values.last().copied().unwrap_or(0.0);
@@ -237,7 +237,7 @@ impl Sides {
         1 << self.list.len()
     }
 
-    /// What a column that tells a side has in one of the ways: +1 from below, -1 from above, wound up all the way.
+    /// Value of a column that records a side: +1 from below, -1 from above, fully wound up.
     fn told(&self, column: &str, way: usize) -> Option<f64> {
         let tells = |offer: &Offer| offer.approached.columns.iter().any(|own| own == column);
         Some(Self::side(self.list.iter().position(tells)?, way))
@@ -314,13 +314,13 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
     pairs
 }
 
-/// A recorded quantity as one says it.
+/// A recorded quantity in words.
 fn words(column: &str) -> String {
     if column == RUN_ORDER {
         return "the time between rows".into();
     }
     if let Some((joint, History::Warmth { .. })) = History::of_column(column) {
-        return format!("how much {joint} works before it is measured");
+        return format!("how much {joint} moves before it is measured");
     }
     match column.strip_suffix(VELOCITY) {
         Some(joint) => format!("the velocity of {joint}"),

@@ -55,7 +55,7 @@ impl Plan {
             self.usable,
             self.exchanges,
             self.observability.rank,
-            if self.with_prior { ", what the prior says of them counted as rows" } else { "" }
+            if self.with_prior { ", the prior counted as rows" } else { "" }
         );
         let (own, other) = (&self.observability, &self.at_random);
         let _ = writeln!(text, "index  chosen     at random");

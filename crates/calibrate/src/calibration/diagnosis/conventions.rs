@@ -1,4 +1,4 @@
-//! Which convention three angles of an orientation were written in.
+//! The convention of an orientation written as three angles.
 //!
 //! ```text
 //! M = R_instrument T R_target     ⇒     |log(Mᵢ Mₖᵀ)| = |log(Tᵢ Tₖᵀ)|,   |log(Mᵢᵀ Mₖ)| = |log(Tᵢᵀ Tₖ)|
@@ -12,17 +12,17 @@ use denavit_model::Chain;
 use denavit_model::nalgebra::{Rotation3, UnitQuaternion};
 use std::f64::consts::PI;
 
-/// Turns are the same to this, rad.
+/// Turns that differ by less than this are equal, rad.
 const ROUNDING: f64 = 1e-9;
-/// Conventions that are handed on.
+/// Number of conventions returned.
 const BEST: usize = 4;
 /// The file's angles may be in the other unit.
 const FACTORS: [f64; 3] = [1.0, 180.0 / PI, PI / 180.0];
 
-/// How the angles may have been meant: by which convention, whether as the inverse, and times which factor.
+/// An interpretation of the angles: convention, inverse or not, and factor.
 pub(super) type Meant = (AngleConvention, bool, f64);
 
-/// The rotation that three written numbers were meant as.
+/// The rotation of three written numbers.
 pub(super) fn rotation((convention, inverse, factor): Meant, by_axis: bool, numbers: [f64; 3]) -> Rotation3<f64> {
     let rotation = convention.rotation(numbers.map(|number| number * factor), by_axis);
     if inverse { rotation.inverse() } else { rotation }

@@ -1,4 +1,4 @@
-//! How much of the variation of what was measured the fitted robot explains: a small error may still be all that there was to explain.
+//! How much of the measured variation the fitted robot explains: a small error may still be the whole variation.
 
 use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::each_residual;
@@ -8,18 +8,18 @@ use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// What is left may be this share of the spread before it is said.
+/// Residual as a share of the spread above which it is reported.
 const WORTH_A_WORD: f64 = 0.2;
-/// Where more than this share is left, nothing is explained: half of the variance.
+/// Residual as a share of the spread above which nothing is explained: half of the variance.
 const EXPLAINS_NOTHING: f64 = 0.7;
-/// The drawing must expect so much of what is left to move, else there was nothing to explain.
+/// Motion that the drawing must predict, relative to the residual; else there was nothing to explain.
 const EXPECTED_TO_MOVE: f64 = 0.5;
-/// Or what is left is more than this share of the robot's size: no noise of an instrument.
+/// Or the residual is more than this share of the robot's size: no instrument has such noise.
 const NO_NOISE: f64 = 5e-3;
-/// What is left is looked into from this share of the robot's size (or rad) on.
+/// Residual, as a share of the robot's size (or rad), from which on it is examined.
 const LOOKED_INTO: f64 = 2e-4;
 
-/// What was measured varies, and what of it is left; root mean square, of all components together.
+/// Variation of a measured quantity, and its residual; root mean square of all components together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Explained {
     /// `position`, `distance`, `orientation` …
@@ -28,7 +28,7 @@ pub struct Explained {
     pub unit: &'static str,
     /// Spread of what was measured about its mean.
     pub spread: f64,
-    /// Residuals of the fitted geometry, freed of the parameters' share.
+    /// Residuals of the fitted geometry, corrected for degrees of freedom.
     pub left: f64,
     /// Spread of what the fitted geometry predicts.
     #[serde(skip)]
@@ -36,7 +36,7 @@ pub struct Explained {
 }
 
 impl Explained {
-    /// Whether it must be said.
+    /// Whether it is reported.
     pub fn poorly(&self) -> bool {
         self.left > WORTH_A_WORD * self.spread
     }
@@ -61,7 +61,7 @@ struct Series {
     turned: [Vec<UnitQuaternion<f64>>; 2],
 }
 
-/// Places counted from the first of them: of a million rows none is kept.
+/// Positions relative to the first one; rows are not stored, as there may be a million.
 #[derive(Default)]
 struct Places {
     first: Option<Vector3<f64>>,

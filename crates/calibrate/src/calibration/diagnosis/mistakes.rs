@@ -1,4 +1,4 @@
-//! What people get wrong when they write a measurement file, and how each is undone.
+//! Common mistakes in measurement files, and how each is undone.
 
 use super::conventions::{self, Meant};
 use denavit_measurements::Measurements;
@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 use std::fmt;
 
 const PLACE: [&str; 3] = ["x", "y", "z"];
-/// Readings that are this many rows early or late are looked for.
+/// Largest shift of readings by rows that is tried.
 const STEPS: [i32; 4] = [1, -1, 2, -2];
 
-/// How a quaternion may be written otherwise than x, y, z, w of the target in the instrument's frame.
+/// Quaternions written in another way than x, y, z, w of the target in the instrument's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QuaternionSlip {
     /// w, x, y, z in the columns of x, y, z, w.
@@ -38,7 +38,7 @@ pub enum Mistake {
     Millimetres(String),
     /// One of x, y, z is in mm although m were meant (`false`), or the other way round (`true`).
     PlaceUnit(usize, bool),
-    /// A joint's reading counts another joint's with it: `of` reads its angle plus (or less) that of `by`.
+    /// A joint's reading includes another joint's angle: `of` reads its angle plus (or less) that of `by`.
     Coupled {
         /// The joint.
         of: String,
@@ -60,14 +60,14 @@ pub enum Mistake {
     Angles {
         /// Which.
         convention: AngleConvention,
-        /// Whether they say how the target sees the instrument.
+        /// Whether they are the inverse: the instrument in the target's frame.
         inverse: bool,
         /// What they are multiplied by to be in rad as they were read.
         factor: f64,
     },
     /// The quaternion is written otherwise.
     Quaternion(QuaternionSlip),
-    /// The readings stand this many rows below (negative: above) the values that belong to them.
+    /// The readings are this many rows below (negative: above) the values that belong to them.
     OutOfStep(i32),
     /// The data belong to another chain of the robot.
     OtherChain(Box<Chain>),
@@ -86,11 +86,14 @@ impl fmt::Display for Mistake {
             Self::Millimetres(column) => write!(f, "column \"{column}\" were in mm"),
             Self::PlaceUnit(axis, metres) => {
                 let unit = if *metres { "m" } else { "mm" };
-                write!(f, "the {} of what was measured were in {unit}, unlike the other two", PLACE[*axis])
+                write!(f, "the measured {} were in {unit}, unlike the other two", PLACE[*axis])
             }
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "plus" } else { "minus" };
-                write!(f, "\"{of}\" were counted from the ground: it reads its own angle {sign} that of \"{by}\"")
+                write!(
+                    f,
+                    "\"{of}\" were measured from the ground: its reading is its own angle {sign} that of \"{by}\""
+                )
             }
             Self::Zero(zeros) => {
                 let of = |(joint, zero): &(String, f64)| format!("\"{joint}\" counted from {}", in_degrees(*zero));
@@ -109,19 +112,19 @@ impl fmt::Display for Mistake {
                     AngleConvention::Euler(order) => format!("the angles of {order}"),
                 };
                 let unit = angle_unit(*factor).map_or_else(String::new, |unit| format!(", in {unit}"));
-                let inverse = if *inverse { ", and the inverse: the instrument as the target sees it" } else { "" };
+                let inverse = if *inverse { ", and inverse: of the instrument in the target's frame" } else { "" };
                 write!(f, "the orientation were written as {what}{unit}{inverse}")
             }
             Self::Quaternion(QuaternionSlip::ScalarFirst) => write!(f, "the quaternion were written w first"),
             Self::Quaternion(QuaternionSlip::Inverse) => {
-                write!(f, "the quaternion were the inverse: the instrument as the target sees it")
+                write!(f, "the quaternion were inverse: of the instrument in the target's frame")
             }
             Self::Quaternion(QuaternionSlip::ScalarFirstInverse) => {
-                write!(f, "the quaternion were the inverse and written w first")
+                write!(f, "the quaternion were inverse and written w first")
             }
             Self::OutOfStep(by) => {
                 let word = if *by > 0 { "below" } else { "above" };
-                write!(f, "the joint readings stood {} row(s) {word} the values that belong to them", by.abs())
+                write!(f, "the joint readings were {} row(s) {word} the values that belong to them", by.abs())
             }
             Self::OtherChain(chain) => {
                 write!(f, "they were measured on the chain from \"{}\" to \"{}\"", chain.base(), chain.tip())
@@ -136,8 +139,8 @@ impl Mistake {
         match self {
             Self::Sense(_) => "change the sign of these readings, or the axis in the robot's file".into(),
             Self::Swapped(..) => "exchange their names in the header row".into(),
-            Self::AngleUnit(..) => "write all angles in one unit and say which: ‹units›".into(),
-            Self::Millimetres(_) | Self::PlaceUnit(..) => "write all lengths in one unit and say which: ‹units›".into(),
+            Self::AngleUnit(..) => "write all angles in one unit and state it: ‹units›".into(),
+            Self::Millimetres(_) | Self::PlaceUnit(..) => "write all lengths in one unit and state it: ‹units›".into(),
             Self::Coupled { of, by, plus } => {
                 let sign = if *plus { "-" } else { "+" };
                 format!("write {of} {sign} {by} into column \"{of}\"")
@@ -149,14 +152,14 @@ impl Mistake {
                 };
                 zeros.iter().map(of).collect::<Vec<_>>().join(", ")
             }
-            Self::Units { .. } => "say so: ‹units›, or units in the map".into(),
+            Self::Units { .. } => "state them: ‹units›, or units in the map".into(),
             Self::Angles { convention, inverse, factor } => {
                 let option = match convention {
                     AngleConvention::RotationVector => {
-                        "say ‹rotation-vector› (in a map: rotation_vector = [three columns])".to_owned()
+                        "use ‹rotation-vector› (in a map: rotation_vector = [three columns])".to_owned()
                     }
                     AngleConvention::Euler(order) => {
-                        format!("say ‹euler› {order} (in a map: euler = {{ order = \"{order}\", columns = [three] }})")
+                        format!("use ‹euler› {order} (in a map: euler = {{ order = \"{order}\", columns = [three] }})")
                     }
                 };
                 let unit = angle_unit(*factor).map_or_else(String::new, |unit| format!(", name the unit: rx ({unit})"));
@@ -164,19 +167,21 @@ impl Mistake {
                     if *inverse { ", and write the target's orientation in the instrument's frame" } else { "" };
                 format!("{option}{unit}{inverse}")
             }
-            Self::Quaternion(QuaternionSlip::ScalarFirst) => "order the header row's names as the numbers are".into(),
+            Self::Quaternion(QuaternionSlip::ScalarFirst) => {
+                "put the names of the header row in the order of the numbers".into()
+            }
             Self::Quaternion(_) => "write the target's orientation in the instrument's frame, as qx, qy, qz, qw".into(),
             Self::OutOfStep(_) => "pair readings and values row by row".into(),
-            Self::OtherChain(chain) => format!("say ‹base› {} ‹tip› {}", chain.base(), chain.tip()),
+            Self::OtherChain(chain) => format!("use ‹base› {} ‹tip› {}", chain.base(), chain.tip()),
         }
     }
 
-    /// Whether rows can be used with the mistake undone: which joint reads what is then known for certain, and nothing else changes.
+    /// Whether rows can be used with the mistake undone: the meaning of each reading is then certain, and nothing else changes.
     pub fn harmless(&self) -> bool {
         matches!(self, Self::Coupled { .. } | Self::Zero(_))
     }
 
-    /// What it adds to the reading of each coordinate, where zeros are all that it is.
+    /// The offsets of each coordinate's reading, if the mistake is only zeros.
     pub fn zeros(&self, chain: &Chain) -> Option<Vec<f64>> {
         let Self::Zero(zeros) = self else { return None };
         let mut shifts = vec![0.0; chain.coordinates().len()];
@@ -305,7 +310,7 @@ impl QuaternionSlip {
     }
 }
 
-/// Takes the orientations anew from the angles as they are written.
+/// Converts the orientations again from the angles as written.
 fn turned(data: &mut Measurements, meant: Meant) -> Option<()> {
     let written = data.angles.clone()?;
     for row in 0..data.len() {
@@ -325,18 +330,18 @@ fn in_degrees(angle: f64) -> String {
     format!("{degrees}°")
 }
 
-/// The unit in which angles are that were read as another one.
+/// The true unit of angles that were read in another one.
 fn angle_unit(factor: f64) -> Option<&'static str> {
     (factor != 1.0).then_some(if factor > 1.0 { "rad" } else { "deg" })
 }
 
-/// The unit in which lengths are that were read as another one.
+/// The true unit of lengths that were read in another one.
 fn length_unit(factor: f64) -> Option<&'static str> {
     let known = LENGTH_FACTORS.iter().find(|(known, _)| *known == factor);
     known.map(|(_, unit)| *unit)
 }
 
-/// What lengths are multiplied by that are in this unit and were read as mm, m or in.
+/// Factor for lengths in this unit that were read as mm, m or in.
 const LENGTH_FACTORS: [(f64, &str); 6] =
     [(1e3, "m"), (1e-3, "mm"), (25.4, "in"), (0.0254, "in"), (1.0 / 25.4, "mm"), (1.0 / 0.0254, "m")];
 

@@ -1,4 +1,4 @@
-//! Rows of two robots, or of two places of the instrument, in one file: the rows that fit together are found by chance.
+//! Rows of two robots, or of two places of the instrument, in one file: rows that fit together are found by random sampling.
 //!
 //! # Source
 //! Random sample consensus: Fischler, Bolles 1981.
@@ -16,20 +16,20 @@ use rand_chacha::ChaCha8Rng;
 
 /// Rows that place the instrument and a target, with some to spare.
 const ROWS_TO_PLACE: usize = 5;
-/// Draws: one of them is of one kind alone, when that makes up half of the rows, but for one file in a thousand.
+/// Number of samples: at least one is of one kind only, if that is half of the rows, except in one file of a thousand.
 const DRAWS: usize = 220;
-/// A row belongs to the others when the robot as drawn, placed by them, is as near as this share of its size (and rad).
+/// A row belongs to the others if the error of the robot as drawn, placed by them, is below this share of its size (and rad).
 const NEAR: f64 = 0.02;
-/// The rows that belong together are at least this share.
+/// Smallest share of rows that belong together.
 const LEAST_SHARE: f64 = 0.3;
-/// Rows on which one of two individuals is fitted.
+/// Rows on which one of two robots is fitted.
 const ROWS_OF_ONE: usize = 150;
 /// A third of the rows must measure this many numbers for each parameter.
 const SPARE: usize = 2;
-/// The seed of the draws: the same file gives the same answer.
+/// The seed of the samples: the same file gives the same answer.
 const SEED: u64 = 1;
 
-/// Rows that do not fit where the others do, by index, and the misfit of the others; `None` where there is no such part.
+/// Rows that do not fit although the others do, by index, and the misfit of the others; `None` if there are none.
 pub(super) fn strangers(
     chain: &Chain,
     data: &Measurements,
@@ -49,7 +49,7 @@ pub(super) fn strangers(
             best = together;
         }
     }
-    // Placed by all that belong together, more may.
+    // Placed by all rows that belong together, more rows may belong.
     for _ in 0..3 {
         let more = near(chain, data, &rows, &best);
         if more.len() <= best.len() {
@@ -67,10 +67,10 @@ pub(super) fn strangers(
     (size_of(after, chain) * super::ORDER < left).then_some((others, after))
 }
 
-/// Rows from one on that are of another individual of the same robot: the geometry that fits the first third does not fit
-/// the last, and the other way round; by index, and the misfit of the rows before. `None` where one geometry serves all.
+/// Rows from some row on that are of another robot of the same model: the geometry of the first third does not fit
+/// the last, and vice versa; by index, and the misfit of the rows before. `None` if one geometry fits all.
 ///
-/// An instrument, a base or a target that was moved in between is not one: frames of its own for each part explain it.
+/// An instrument, a base or a target that was moved in between does not count: separate frames for each part explain it.
 pub(super) fn individuals(
     chain: &Chain,
     data: &Measurements,
@@ -101,7 +101,7 @@ pub(super) fn individuals(
     if size_of(at_last, chain) * super::ORDER >= left {
         return None;
     }
-    // The row from which on the second fits better: the split with the least sum of both.
+    // The row from which the second fits better: the split with the least sum of both.
     let squares = |fit: &Fit<NoEffects>| {
         let mut sums = vec![0.0; data.len()];
         for residual in residuals(&fit.arm, &NoEffects, data) {

@@ -1,10 +1,10 @@
-//! Joints that count from another zero, and by how much.
+//! Joints with another zero, and its size.
 //!
 //! ```text
 //! |pᵢ - pₖ| = |Tᵢ t - Tₖ t|      p measured, T base_from_tip by the drawing, t the target on the tip
 //! ```
-//! The distance between two measured points does not depend on where the instrument stands. So the target and one or two zeros are all
-//! that is unknown: zeros are scanned, targets follow by least squares, and the best are refined together.
+//! The distance between two measured points does not depend on where the instrument stands. So only the target and one or two zeros are
+//! unknown: zeros are scanned, targets follow by least squares, and the best are refined together.
 
 use super::{ITERATIONS_TO_TRY, nominal_misfit, size_of};
 use denavit_measurements::Measurements;
@@ -14,19 +14,19 @@ use std::f64::consts::{PI, TAU};
 
 /// Zeros that are scanned, rad apart.
 const STEP: f64 = PI / 6.0;
-/// A smaller zero is fitted as geometry: that is what a calibration is for.
+/// A smaller zero is fitted as geometry by the calibration.
 pub(super) const LEAST_ZERO: f64 = 10.0 * PI / 180.0;
-/// Zeros are set to multiples of this, rad; one that is nearer than so much to a multiple is that.
+/// Zeros are rounded to multiples of this, rad, if they are this near to a multiple.
 const ROUND: f64 = PI / 12.0;
 const NEARLY_ROUND: f64 = 1.5 * PI / 180.0;
-/// Targets that the scan looks at.
+/// Largest number of targets in the scan.
 const TARGETS: usize = 3;
-/// Zeros of one joint, and of two, that are handed on.
+/// Number of results for one joint, and for two.
 const SINGLES: usize = 4;
 const PAIRS: usize = 3;
 /// Pairs of zeros that are refined.
 const REFINED: usize = 8;
-/// Numbers beyond those that are to be found.
+/// Numbers beyond the unknowns.
 const SPARE: usize = 9;
 
 /// Zeros of joints, by index: what is added to a reading to have the angle of the drawing.
@@ -91,7 +91,7 @@ impl<'a> Distances<'a> {
         DVector::from_iterator(self.pairs.len(), left)
     }
 
-    /// The targets for these zeros, and the size of what is left.
+    /// The targets for these zeros, and the size of the residual.
     fn placed(&self, zeros: &[(usize, f64)], iterations: usize) -> (Vec<f64>, f64) {
         let tips = self.tips(zeros);
         let start = vec![1e-3 * self.chain.size(); 3 * self.targets];
@@ -113,7 +113,7 @@ impl<'a> Distances<'a> {
     }
 }
 
-/// Damped least squares with differences for derivatives: a few numbers, a few hundred residuals.
+/// Damped least squares with numerical derivatives: a few unknowns, a few hundred residuals.
 fn least_squares(
     left: &dyn Fn(&[f64]) -> DVector<f64>,
     mut numbers: Vec<f64>,
@@ -163,7 +163,7 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// The zero that was meant, where the estimate is near a round one; the drawing's own geometry is within a degree or so.
+/// The intended zero, if the estimate is near a round one; the drawing's own geometry is within a degree or so.
 fn meant(zero: f64) -> f64 {
     let round = (zero / ROUND).round() * ROUND;
     let exact = if (zero - round).abs() < NEARLY_ROUND {
@@ -175,7 +175,7 @@ fn meant(zero: f64) -> f64 {
     if (exact + PI).abs() < 1e-9 { PI } else { exact }
 }
 
-/// Zeros of one joint and of two that would explain these rows better than none does, the best first.
+/// Zeros of one joint and of two that explain these rows better than no zero, the best first.
 pub(super) fn likely(chain: &Chain, data: &Measurements, pairs_too: bool) -> Vec<Zeros> {
     let angle = |joint: &usize| chain.coordinates()[*joint].quantity == Quantity::Angle && !data.never_moves(*joint);
     let joints: Vec<usize> = (0..data.joints.len()).filter(angle).collect();
@@ -215,7 +215,7 @@ pub(super) fn likely(chain: &Chain, data: &Measurements, pairs_too: bool) -> Vec
     found
 }
 
-/// The best, each set of joints once, with the zeros that were meant.
+/// The best, each set of joints once, with the intended zeros.
 fn sorted(mut found: Vec<(f64, Zeros)>, without: f64, most: usize) -> Vec<Zeros> {
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut kept: Vec<Zeros> = Vec::new();
@@ -245,7 +245,7 @@ fn by_fit(chain: &Chain, data: &Measurements, joints: &[usize]) -> Vec<Zeros> {
     for &joint in joints {
         let scan = (1..12).map(|k| wrapped(f64::from(k) * STEP)).map(|zero| (score(joint, zero), zero));
         let Some((_, zero)) = scan.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
-        // Thirds of what is left around the best.
+        // Thirds of the remaining interval around the best.
         let (mut low, mut high) = (zero - STEP, zero + STEP);
         for _ in 0..14 {
             let third = (high - low) / 3.0;

@@ -1,6 +1,5 @@
-//! What would explain rows that are out of line: a joint that stands elsewhere than it reads, a target that sits elsewhere on
-//! the tip, an instrument or a base that was moved. Each has a few numbers; it explains the rows when the best ones leave what
-//! chance leaves.
+//! Possible causes of rows that are out of line: a joint whose reading is wrong, a target that has moved on the tip, an instrument or
+//! a base that has moved. Each has a few parameters; it explains the rows if the residual at the best parameters is no more than chance.
 
 use super::{Prediction, quantile};
 use denavit_identify::arm::Arm;
@@ -12,9 +11,9 @@ use denavit_measurements::kinds::Frame;
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn, Rotation3, Vector3, Vector6};
 use denavit_model::{Quantity, se3};
 
-/// The last rows that are out of line are looked at, no more than these.
+/// Largest number of rows used, the last that are out of line.
 const ROWS: usize = 6;
-/// What is left may be so unlikely.
+/// Smallest probability of the residual by chance that is accepted.
 const UNLIKELY: f64 = 1e-3;
 /// Steps of the search: the rows are near to linear in what is searched.
 const STEPS: usize = 8;
@@ -47,7 +46,7 @@ impl Suspect {
         }
     }
 
-    /// The arm and the rows with this changed by so much: turns (rad) behind shifts (m).
+    /// The arm and the rows after this change: shifts (m), then turns (rad).
     fn changed(self, arm: &Arm, rows: &Measurements, by: &[f64]) -> (Arm, Measurements) {
         let (mut arm, mut rows) = (arm.clone(), rows.clone());
         match self {
@@ -80,14 +79,14 @@ impl Suspect {
                     Quantity::Angle => format!("{:+.3}°", by[0].to_degrees()),
                     Quantity::Length => format!("{:+.3} mm", by[0] * 1e3),
                 };
-                format!("joint {} stands {shift} from where it reads", coordinate.name)
+                format!("joint {} is {shift} away from its reading", coordinate.name)
             }
             Self::Target(target, turned) => {
                 let name = &data.scene.targets[target];
                 let called = if name.is_empty() { "the target".into() } else { format!("target {name}") };
                 let turn = if turned { format!(" and turned by {}", angle(&by[3..])) } else { String::new() };
                 format!(
-                    "{called} sits {}{turn} elsewhere on the tip: another reflector, or one that slipped",
+                    "{called} has moved by {}{turn} on the tip: another reflector, or one that slipped",
                     length(&by[..3])
                 )
             }
@@ -95,7 +94,7 @@ impl Suspect {
                 // Where the rows are, not at the far origin of the base.
                 let there = Vector3::from_row_slice(&by[..3]) + Vector3::from_row_slice(&by[3..]).cross(centre);
                 format!(
-                    "the instrument or the robot's base was moved by {} and {}",
+                    "the instrument or the robot's base has moved by {} and {}",
                     length(there.as_slice()),
                     angle(&by[3..])
                 )
@@ -104,8 +103,8 @@ impl Suspect {
     }
 }
 
-/// What would explain rows that are out of line (the last one first), in words, the likeliest first; and whether these rows
-/// are too few to look for everything.
+/// What would explain rows that do not fit (the last one first), in words, the likeliest first; and whether these rows
+/// are too few to test every cause.
 pub(super) fn explanations(fit: &Fit<NoEffects>, data: &Measurements, rows: &[usize]) -> (Vec<String>, bool) {
     let rows: Vec<usize> = rows.iter().copied().take(ROWS).collect();
     let found = Prediction::of(fit, data, &rows);
@@ -152,7 +151,7 @@ fn centre(fit: &Fit<NoEffects>, rows: &Measurements) -> Vector3<f64> {
     sum / rows.len().max(1) as f64
 }
 
-/// The change that leaves least, and rᵀ S⁻¹ r with it: Gauss-Newton on differences.
+/// The change with the least residual, and its rᵀ S⁻¹ r: Gauss-Newton with numerical derivatives.
 fn searched(
     fit: &Fit<NoEffects>,
     rows: &Measurements,

@@ -53,7 +53,7 @@ impl Recorded {
         }
         self.outputs.write(&[(self.slot, baseline.text())])?;
         output::mention(format!(
-            "{}: {} finding(s) of {} file(s) are known from now on",
+            "{}: {} finding(s) of {} file(s) are now known",
             self.path.display(),
             baseline.len(),
             files.len()

@@ -23,11 +23,11 @@ pub fn of(file: &str, saved: &SavedEffects, chain: &Chain, given: &[(String, f64
     let saved = saved.of_the_tip();
     let statics = &saved.statics;
     if statics.tips.all().len() != 1 {
-        return Err(refused("the effects are those of several tips; calibrate with one --tip".into()));
+        return Err(refused("the effects are of several tips; calibrate with one --tip".into()));
     }
     if saved.averaged.is_some() && !(saved.effects.is_empty() && saved.curves.is_empty()) {
         return Err(refused(
-            "effects stand beside an averaged prediction; make the file again with denavit calibrate".into(),
+            "the file has effects besides an averaged prediction; write it again with denavit calibrate".into(),
         ));
     }
     let arguments = arguments(file, &saved, given)?;
@@ -55,7 +55,7 @@ pub fn of(file: &str, saved: &SavedEffects, chain: &Chain, given: &[(String, f64
     Ok(effects)
 }
 
-/// What the code is told: everything that effects follow and nobody gave.
+/// Arguments of the code: every quantity that effects follow and that is not given.
 fn arguments(file: &str, saved: &SavedEffects, given: &[(String, f64)]) -> Result<Vec<code::Argument>, Failure> {
     let mut arguments: Vec<code::Argument> = Vec::new();
     for effect in &saved.effects {
@@ -68,8 +68,8 @@ fn arguments(file: &str, saved: &SavedEffects, given: &[(String, f64)]) -> Resul
             if name == RUN_ORDER || (recorded::told_by_order(name) && !side) {
                 let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(&saved.statics.chain));
                 return Err(Failure::Argument(format!(
-                    "{file}: {kind} at {place} follows \"{plain}\", which the order of measured rows tells and a controller does not know; \
-                     fix it with --given \"{plain}=0\", or calibrate without it: --effects with the other kinds"
+                    "{file}: {kind} at {place} follows \"{plain}\", which comes from the order of the measured rows and is unknown to a \
+                     controller; fix it with --given \"{plain}=0\", or calibrate without it: --effects with the other kinds"
                 )));
             }
             let unit = if side { "1 from below or -1 from above" } else { unit_of(name) };
@@ -94,7 +94,7 @@ fn with(
     }
 }
 
-/// The effects of an averaged prediction: what nobody gave is taken at its average.
+/// The effects of an averaged prediction: quantities that are not given are set to their averages.
 fn followed(averaged: &Averaged, input: &dyn Fn(&String) -> Option<Input>) -> Vec<Effect<Driver<Input>>> {
     let bound = |(effect, averages): (&Effect<Driver<String>>, &Vec<f64>)| {
         let known = effect.term.driver.columns().into_iter().all(|name| input(name).is_some());

@@ -18,7 +18,7 @@ use std::path::Path;
 pub fn run(arguments: &DiffArguments, options: &Options) -> Result<Status, Failure> {
     if let Some(value) = arguments.source.values.first().or(arguments.b.as_ref().filter(|b| b.contains(":="))) {
         return Err(Failure::Argument(format!(
-            "--robots: the argument {value} is of one robot; write it into denavit.toml: [robots.NAME] arguments = {{ … }}"
+            "--robots: the argument {value} belongs to one robot; write it into denavit.toml: [robots.NAME] arguments = {{ … }}"
         )));
     }
     let (before, after) = (revision(&arguments.a)?, arguments.b.as_deref().map(revision).transpose()?);
@@ -27,7 +27,7 @@ pub fn run(arguments: &DiffArguments, options: &Options) -> Result<Status, Failu
     let pairs = denavit_load::pairs(before, after, &source::options(&arguments.source)?)?;
     if pairs.robots.is_empty() {
         return Err(Failure::Argument(format!(
-            "--robots {}: there is no robot in this repository, then or now; name them in denavit.toml",
+            "--robots {}: this repository has no robot, neither then nor now; name its robots in denavit.toml",
             arguments.a
         )));
     }
@@ -55,7 +55,7 @@ pub fn run(arguments: &DiffArguments, options: &Options) -> Result<Status, Failu
 fn revision(word: &str) -> Result<&str, Failure> {
     let revision = word.strip_prefix("git:").filter(|revision| !revision.is_empty() && !revision.contains(':'));
     revision.ok_or_else(|| {
-        Failure::Argument(format!("--robots: \"{word}\" is no revision; write git:REVISION, such as git:main"))
+        Failure::Argument(format!("--robots: \"{word}\" is not a revision; write git:REVISION, such as git:main"))
     })
 }
 

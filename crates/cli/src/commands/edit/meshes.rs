@@ -85,7 +85,7 @@ impl MeshFiles {
             let copies = denavit_load::copies(&robot, &text.file, &options, MOST);
             if let Some((uri, why)) = copies.missing.first() {
                 return Err(Failure::Argument(format!(
-                    "{}: mesh \"{uri}\": {why} (meshes that are missing: {})",
+                    "{}: mesh \"{uri}\": {why} (missing meshes: {})",
                     text.file,
                     copies.missing.len()
                 )));
@@ -104,7 +104,7 @@ impl MeshFiles {
         if names.is_empty() {
             return Err(Failure::Argument("meshes: the robot has no mesh files".into()));
         }
-        let with = if beside == 0 { String::new() } else { format!(", with {beside} files that they name") };
+        let with = if beside == 0 { String::new() } else { format!(", with {beside} files that they refer to") };
         output::mention(format!("{} mesh files go to {}{with}", names.len(), folder.display()));
         // A later operation knows them by their new names.
         let known = self.known(source)?;

@@ -1,4 +1,4 @@
-//! One page on this machine's own address: nothing else is served, and nobody else is answered.
+//! Serves one page at this machine's own address, and nothing to other machines.
 
 use crate::failure::Failure;
 use crate::output;
@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub fn serve(page: &str, port: u16, open: bool) -> Result<(), Failure> {
     let failed = |error: std::io::Error| {
         Failure::Argument(format!(
-            "--port {port}: cannot serve at 127.0.0.1: {error}; take another port, or --output FILE"
+            "--port {port}: cannot serve at 127.0.0.1: {error}; choose another port, or --output FILE"
         ))
     };
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
@@ -70,7 +70,7 @@ fn answer(mut stream: &TcpStream, page: &str, port: u16) -> std::io::Result<()> 
     stream.flush()
 }
 
-/// Opens the user's browser, where there is a screen; whoever has none has the address.
+/// Opens the user's browser if there is a screen; the address is printed in any case.
 fn open_browser(address: &str) {
     let screen = ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
     let mut command = if cfg!(target_os = "macos") {

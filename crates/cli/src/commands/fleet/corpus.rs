@@ -53,7 +53,7 @@ fn text(corpus: &Corpus) -> String {
     let failing = files.iter().filter(|file| file.findings.errors > 0).count();
     let _ = writeln!(
         text,
-        "{} files: {} robots that move, {} mechanisms, {} that are no robots, {failing} that break a rule for certain",
+        "{} files: {} robots that move, {} mechanisms, {} without a robot, {failing} that certainly break a rule",
         files.len(),
         mechanisms.iter().map(Vec::len).sum::<usize>(),
         mechanisms.len(),
@@ -61,7 +61,7 @@ fn text(corpus: &Corpus) -> String {
     );
     let several: Vec<_> = mechanisms.iter().filter(|set| set.len() > 1).collect();
     if !several.is_empty() {
-        let _ = writeln!(text, "\nfiles that are one mechanism");
+        let _ = writeln!(text, "\nfiles with the same mechanism");
     }
     for set in several.iter().take(SHOWN) {
         let first = &files[set[0]];
@@ -72,7 +72,7 @@ fn text(corpus: &Corpus) -> String {
     }
     more(&mut text, several.len());
     if !near.is_empty() {
-        let _ = writeln!(text, "\nmechanisms that are nearly alike, tips apart by up to");
+        let _ = writeln!(text, "\nmechanisms that are nearly alike, and the largest distance of their tips");
     }
     for set in near.iter().take(SHOWN) {
         let _ = writeln!(text, "  {:.3} mm", 1e3 * set.tips_apart_m);
@@ -82,7 +82,7 @@ fn text(corpus: &Corpus) -> String {
     }
     more(&mut text, near.len());
     if !bad.is_empty() {
-        let _ = writeln!(text, "\nfiles that are no robots");
+        let _ = writeln!(text, "\nfiles without a robot");
     }
     for file in bad.iter().take(SHOWN) {
         let error = file.error.as_deref().unwrap_or_default();
@@ -105,13 +105,13 @@ fn history_text(changes: &[GitChange]) -> String {
             Became::New => "new",
             Became::Removed => "removed",
             Became::Motion => "moves otherwise",
-            Became::Matter => "moves as before, weighs or shows something else",
+            Became::Matter => "same motion, other masses or shapes",
             Became::Same => "the same",
-            Became::Unreadable => "no robot before or after",
+            Became::Unreadable => "not a robot before or after",
         };
         let _ = writeln!(text, "  {}: {became}", change.path);
     }
     let same = changes.iter().filter(|change| change.became == Became::Same).count();
-    let _ = writeln!(text, "{} changes of robots' files, {same} of them without effect on the robot", changes.len());
+    let _ = writeln!(text, "{} changes of robot files, {same} of them without effect on the robot", changes.len());
     text
 }

@@ -17,7 +17,7 @@ pub fn run(arguments: &FleetRunArguments) -> Result<Status, Failure> {
     let delivery = Delivery::of(None, &arguments.json, [arguments.manifest.as_str()])?;
     let pair = |word: &String| {
         let split = word.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
-        split.ok_or_else(|| Failure::Argument(format!("--set: \"{word}\" is no WORD=VALUE, such as robot=arm.urdf")))
+        split.ok_or_else(|| Failure::Argument(format!("--set: \"{word}\" is not WORD=VALUE, such as robot=arm.urdf")))
     };
     let defaults = arguments.set.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
     let entries = manifest::read(&arguments.manifest, &defaults)?;
@@ -38,8 +38,11 @@ pub fn run(arguments: &FleetRunArguments) -> Result<Status, Failure> {
 fn text(answer: &RunReport) -> String {
     let mut text = String::new();
     let RunReport { store, entries, done, known, failed, replaced, failures } = answer;
-    let _ =
-        writeln!(text, "{entries} entries: {done} done now, {known} were there, {failed} failed → {}", store.display());
+    let _ = writeln!(
+        text,
+        "{entries} entries: {done} done now, {known} done before, {failed} failed → {}",
+        store.display()
+    );
     if *replaced > 0 {
         let _ = writeln!(text, "{replaced} runs of older inputs or options were replaced");
     }

@@ -66,7 +66,7 @@ fn prior(store: &Store, arguments: &FleetSiblingsArguments) -> Result<(String, S
     let all: Vec<Sibling> = match &arguments.tip {
         Some(tip) if !all.iter().any(|sibling| sibling.tip == *tip) => {
             return Err(refused(format!(
-                "no robot was calibrated by itself to {tip}; there are {}",
+                "no robot was calibrated on its own to {tip}; the store has {}",
                 tips(all.iter()).join(", ")
             )));
         }
@@ -75,14 +75,14 @@ fn prior(store: &Store, arguments: &FleetSiblingsArguments) -> Result<(String, S
     };
     let without = arguments.without.as_deref();
     if let Some(serial) = without.filter(|serial| !all.iter().any(|sibling| sibling.serial == **serial)) {
-        return Err(refused(format!("no robot \"{serial}\" was calibrated by itself; leave --without out")));
+        return Err(refused(format!("no robot \"{serial}\" was calibrated on its own; omit --without")));
     }
     let Some(one) = representative(&all, without) else {
-        return Err(refused("no robot was calibrated by itself since this version; run the manifest again".into()));
+        return Err(refused("no robot was calibrated on its own since this version; run the manifest again".into()));
     };
     // Arms of one robot are different chains: which is meant must be said.
     if let [first, second, ..] = &tips(all.iter().filter(|sibling| sibling.robot == one.robot))[..] {
-        return Err(refused(format!("{} was calibrated to {first} and to {second}; choose one by --tip", one.robot)));
+        return Err(refused(format!("{} was calibrated to {first} and to {second}; choose one with --tip", one.robot)));
     }
     let file = arguments.robot.as_deref().unwrap_or(&one.robot);
     let options = Options { arguments_for_another: true, ..Options::default() };
@@ -94,12 +94,12 @@ fn prior(store: &Store, arguments: &FleetSiblingsArguments) -> Result<(String, S
     let (learned, prior) = learned.ok_or_else(|| {
         let least = denavit_fleet::statistics::hierarchy::LEAST_ROBOTS;
         refused(format!(
-            "fewer than {least} robots that are drawn as {file} were calibrated by themselves; calibrate more of them, or name \
-             their drawing by --robot"
+            "fewer than {least} robots with the drawing {file} were calibrated on their own; calibrate more of them, or name \
+             their drawing with --robot"
         ))
     })?;
     let count = learned.serials.iter().filter(|serial| Some(&serial[..]) != without).count();
-    Ok((prior.to_json(), format!("{count} robots that are drawn as {file} to {} are in the prior", one.tip)))
+    Ok((prior.to_json(), format!("the prior has {count} robots with the drawing {file}, to {}", one.tip)))
 }
 
 /// The links that robots were calibrated to.
@@ -164,7 +164,7 @@ fn text(answer: &Answer) -> String {
         );
     }
     if answer.shared.is_empty() {
-        text.push_str("no number is known of at least six robots better than its tolerance says\n");
+        text.push_str("no number is known better than its tolerance for at least six robots\n");
     }
     for of in &answer.outliers {
         let off = super::watch::shown(of.off, &of.unit);

@@ -134,10 +134,11 @@ fn text(answer: &WatchAnswer) -> String {
     }
     let fresh =
         answer.marked.iter().filter(|serial| !answer.alarms.iter().any(|alarm| alarm.serial == **serial)).count();
-    let _ = writeln!(text, "{} alarms; {fresh} robots marked tonight that must come again first", answer.alarms.len());
+    let _ =
+        writeln!(text, "{} alarms; {fresh} robots marked tonight, an alarm needs a second mark", answer.alarms.len());
     let _ = writeln!(
         text,
-        "false discovery rate of a night's marks {}; expected of a healthy fleet: {:.1e} false alarms a night",
+        "false discovery rate of a night's marks: {}; expected in a healthy fleet: {:.1e} false alarms a night",
         answer.false_discovery_rate, answer.false_alarms_expected
     );
     text
@@ -159,13 +160,13 @@ fn markdown_text(answer: &WatchAnswer) -> String {
         let _ = writeln!(text, "\nNot tested: {} robots, which wait for a reference.", answer.waiting);
     }
     if !answer.failed.is_empty() {
-        text.push_str("\nFailed, to be done again by the next run:\n\n| robot | run |\n|---|---|\n");
+        text.push_str("\nFailed; the next run repeats them:\n\n| robot | run |\n|---|---|\n");
         for failed in &answer.failed {
             let (serial, line) = (failed.serial.replace('|', "\\|"), failed.line().replace('|', "\\|"));
             let _ = writeln!(text, "| {serial} | {line} |");
         }
     }
-    let _ = write!(text, "\nExpected of a healthy fleet: {:.1e} false alarms a night.\n", answer.false_alarms_expected);
+    let _ = write!(text, "\nExpected in a healthy fleet: {:.1e} false alarms a night.\n", answer.false_alarms_expected);
     text
 }
 
@@ -323,11 +324,11 @@ fn history_text(answer: &HistoryAnswer) -> String {
             let _ = writeln!(text, "  failed: {}", failed.line());
         }
         if robot.changes.is_empty() {
-            let _ = writeln!(text, "  every parameter is where it was");
+            let _ = writeln!(text, "  no parameter has changed");
         }
     }
     if steady > 0 {
-        let _ = writeln!(text, "{steady} robots: every parameter is where it was");
+        let _ = writeln!(text, "{steady} robots: no parameter has changed");
     }
     text
 }

@@ -1,4 +1,4 @@
-//! A text that grows: a file that is looked at again and again, or standard input. Half-written last lines wait.
+//! A text that grows: a file that is polled, or standard input. An incomplete last line waits for its end.
 
 use crate::failure::Failure;
 use crate::source;
@@ -128,7 +128,7 @@ impl File {
             let why = if self.given.starts_with(lines) {
                 "the file is shorter than before"
             } else {
-                "the file is another than before"
+                "the file has other content than before"
             };
             self.given.clear();
             // The new lines are given when it is looked at again.
@@ -189,7 +189,7 @@ mod tests {
         fs::write(&path, "a\n").unwrap();
         assert_eq!([next(), next(), next()], ["the file is shorter than before", "a\n", "nothing"]);
         fs::write(&path, "b\n3\n").unwrap();
-        assert_eq!([next(), next()], ["the file is another than before", "b\n3\n"]);
+        assert_eq!([next(), next()], ["the file has other content than before", "b\n3\n"]);
         fs::remove_file(&path).unwrap();
         assert_eq!(next(), "there is no such file now; waiting for it");
         fs::write(&path, "b\n3\n4\n").unwrap();

@@ -50,7 +50,7 @@ impl<'a> Touch<'a> {
             Ok(text) if text.trim().is_empty() => header,
             Ok(_) => {
                 return Err(Failure::Argument(format!(
-                    "{}: this is no run along a plate: its first line must be {}; name another file by --data",
+                    "{}: this file is not a run along a plate: its first line must be {}; name another file with --data",
                     data.display(),
                     header.trim_end()
                 )));

@@ -1,4 +1,4 @@
-//! MJCF: angles that count in another unit than they are written in.
+//! MJCF: angles written in another unit than the model uses.
 
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
@@ -8,9 +8,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D100",
     name: NAME,
     level: Level::Warning,
-    summary: "MJCF: ranges of hinges are radians in a model that counts in degrees, or degrees in one that counts in radians",
-    why: "MJCF counts angles in degrees unless `<compiler angle=\"radian\"/>` says otherwise, so that a range of ±1.57 lets a joint turn by 1.6°. \
-          Write the unit that the numbers are in.",
+    summary: "MJCF: hinge ranges are in radians in a model that uses degrees, or the reverse",
+    why: "MJCF angles are in degrees unless `<compiler angle=\"radian\"/>` says otherwise, so that a range of ±1.57 \
+          lets a joint turn by 1.6°. State the unit of the numbers.",
     bad: "<mujoco><worldbody>\n  <body name=\"arm\">\n    <joint name=\"j\" range=\"-1.5708 1.5708\"/>\n    <geom size=\".1\"/>\n  </body>\n</worldbody></mujoco>",
     good: "<mujoco>\n<compiler angle=\"radian\"/>\n<worldbody>\n  <body name=\"arm\">\n    <joint name=\"j\" range=\"-1.5708 1.5708\"/>\n    <geom size=\".1\"/>\n  </body>\n</worldbody></mujoco>",
     fixable: false,

@@ -1,4 +1,4 @@
-//! Axes and pitches with what a drawing program's arithmetic left in them.
+//! Axes and pitch angles with the rounding error of a CAD program.
 
 use crate::lint::finding::Found;
 use crate::lint::sheet::words;
@@ -11,10 +11,10 @@ pub(super) const RULE: Rule = Rule {
     code: "D018",
     name: "drawing-noise",
     level: Level::Warning,
-    summary: "An axis or a pitch is off a round direction by what a drawing program's arithmetic leaves",
+    summary: "An axis or a pitch angle differs from a round value by the rounding error of a CAD program",
     why: "`2.2e-08 -4.4e-08 -1.0` is 0 0 -1, and a pitch of -1.5707927 is a quarter turn: at gimbal lock half of the digits \
-          are lost. Axes that are meant to be parallel or at right angles miss that, and tables show 89.999997°, or \
-          lengths of kilometres. Only what is too small to be a calibration is read so.",
+          are lost. Axes that should be parallel or perpendicular are not, and tables show 89.999997° or lengths of \
+          kilometres. Only differences too small for a calibration are corrected.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"2.2e-08 -4.4e-08 -1.0\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 -1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: true,

@@ -9,15 +9,15 @@ pub(super) const RULE: Rule = Rule {
     code: "D012",
     name: "axis-not-unit",
     level: Level::Warning,
-    summary: "A joint axis is not of length 1",
-    why: "Readers that do not normalise it turn or slide by the wrong amount: `0 0 2` moves twice as far in them.",
+    summary: "A joint axis does not have length 1",
+    why: "Readers that do not normalise it move the joint by the wrong amount: `0 0 2` moves twice as far in them.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 2\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: true,
     check,
 };
 
-/// Axes written to five digits or more are as long as they can be.
+/// Axes with five or more digits are within this of length 1.
 const WRITTEN: f64 = 1e-5;
 
 fn check(sheet: &Sheet) -> Vec<Found> {

@@ -8,9 +8,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D091",
     name: "calibration-position",
     level: Level::Note,
-    summary: "A joint has a `<calibration>`, which is kept, but moves no zero",
-    why: "`rising`, `falling` and `reference_position` say where a reference sensor switches, for the robot's own homing. They \
-          do not shift the joint's zero. Where the number is an offset of the zero in your files, put it into the \
+    summary: "A joint has a `<calibration>`, which is kept but does not move the joint's zero",
+    why: "`rising`, `falling` and `reference_position` state where a reference sensor switches, for the robot's \
+          homing. They do not shift the joint's zero. If the number is a zero offset in your files, put it into the \
           joint's `<origin>`.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <calibration rising=\"-0.5\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
@@ -30,7 +30,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         }
         let shown: Vec<String> =
             values.iter().filter_map(|(name, value)| value.map(|value| format!("{name} {value}"))).collect();
-        let what = format!("<calibration>: {} is kept, but does not move the joint's zero", shown.join(", "));
+        let what = format!("<calibration>: {} is kept but does not move the joint's zero", shown.join(", "));
         let at = sheet.below(joint.at, &["calibration"]);
         found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
     }

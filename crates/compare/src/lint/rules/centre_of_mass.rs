@@ -13,8 +13,7 @@ pub(super) const RULE: Rule = Rule {
     name: "centre-of-mass-outside",
     level: Level::Warning,
     summary: "A link's centre of mass is far outside the link",
-    why: "It lies where nothing of the link is: usually given in millimetres, in the assembly's frame instead of the \
-          link's, or with a sign turned round.",
+    why: "The usual causes: millimetres, the assembly's frame instead of the link's, or a wrong sign.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\">\n  <inertial>\n    <origin xyz=\"25 0 0\"/>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1e-3\" ixy=\"0\" ixz=\"0\" iyy=\"1e-3\" iyz=\"0\" izz=\"1e-3\"/>\n  </inertial>\n  <collision>\n    <geometry>\n      <box size=\"0.1 0.1 0.1\"/>\n    </geometry>\n  </collision>\n</link>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 0.5\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\">\n  <inertial>\n    <origin xyz=\"0.025 0 0\"/>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1e-3\" ixy=\"0\" ixz=\"0\" iyy=\"1e-3\" iyz=\"0\" izz=\"1e-3\"/>\n  </inertial>\n  <collision>\n    <geometry>\n      <box size=\"0.1 0.1 0.1\"/>\n    </geometry>\n  </collision>\n</link>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 0.5\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,
@@ -51,7 +50,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     found
 }
 
-/// Nobody minds less, m.
+/// Smaller distances do not matter, m.
 const LEAST: f64 = 0.02;
 
 /// A box around the link's frame, the joints on it and its shapes, m; a mesh may reach half as far as the robot.

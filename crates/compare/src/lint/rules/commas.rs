@@ -9,7 +9,7 @@ pub(super) const RULE: Rule = Rule {
     name: "commas",
     level: Level::Warning,
     summary: "Numbers are separated by commas",
-    why: "URDF separates by white space. Some readers stop at the comma and take the rest as 0.",
+    why: "URDF separates numbers by white space. Some readers stop at the comma and set the rest to 0.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0.1, 0, 0.2\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0.1 0 0.2\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: true,

@@ -10,15 +10,15 @@ pub(super) const RULE: Rule = Rule {
     name: "continuous-limits",
     level: Level::Warning,
     summary: "A continuous joint has position limits",
-    why: "URDF says that a continuous joint has none: most readers ignore them and turn on, some hold to them. If the joint has \
-          stops, make it `revolute`; if not, remove `lower` and `upper`.",
+    why: "In URDF a continuous joint has none: most readers ignore them, some apply them. If the joint has stops, \
+          make it `revolute`; if not, remove `lower` and `upper`.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-6.28\" upper=\"6.28\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <limit effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,
     check,
 };
 
-/// From here on a range is a way to write "none", rad.
+/// A range of at least this, rad, means "no limits".
 const NO_STOP: f64 = 1e3;
 
 fn check(sheet: &Sheet) -> Vec<Found> {
@@ -29,7 +29,8 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         let Some((lower, upper)) = stated else { continue };
         let at = sheet.below(joint.at, &["limit"]);
         let what = format!(
-            "it is continuous, so its limits {lower} and {upper} are not in force; make it revolute, or remove lower and upper"
+            "it is continuous, so its limits {lower} and {upper} have no effect; make it revolute, or remove lower \
+             and upper"
         );
         found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
     }

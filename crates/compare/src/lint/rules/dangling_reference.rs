@@ -12,8 +12,8 @@ pub(in crate::lint) const RULE: Rule = Rule {
     name: "dangling-reference",
     level: Level::Warning,
     summary: "A transmission, `<ros2_control>`, `<gazebo>`, a closed loop or an SRDF names a link or joint that does not exist",
-    why: "Controllers then fail when they start, simulators and planners leave the setting out without a word. Often a joint \
-          was renamed, or got a prefix, in one of the two places only. An SRDF is checked against the robot of the same \
+    why: "Controllers then fail at start; simulators and planners silently ignore the setting. Often a joint was \
+          renamed, or got a prefix, in only one of the two places. An SRDF is checked against the robot of the same \
           name that is checked with it: `denavit check arm.urdf arm.srdf`.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"shoulder\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>\n<transmission name=\"t\">\n  <joint name=\"sholder\"/>\n</transmission>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"shoulder\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>\n<transmission name=\"t\">\n  <joint name=\"shoulder\"/>\n</transmission>",
@@ -86,7 +86,7 @@ impl<'a> Names<'a> {
         let what = format!("{word} \"{name}\" does not exist");
         if link || joint {
             let other = if link { "link" } else { "joint" };
-            return Some(format!("{what}; there is a {other} of that name"));
+            return Some(format!("{what}; a {other} has that name"));
         }
         let mut candidates: Vec<&str> = match target {
             Target::Link => self.links.iter().copied().collect(),
@@ -119,7 +119,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     found
 }
 
-/// The names that an element in one that stands beside links and joints refers to.
+/// The names that a part of an element other than link or joint refers to.
 fn references<'a>(top: Node<'a, '_>, node: Node<'a, '_>) -> Vec<(&'a str, Target)> {
     let tag = node.tag_name().name();
     let named = |target| node.attribute("name").map(|name| (name, target)).into_iter().collect();
@@ -150,7 +150,7 @@ fn references<'a>(top: Node<'a, '_>, node: Node<'a, '_>) -> Vec<(&'a str, Target
     }
 }
 
-/// Elements of simulators' plugins whose text is the name of a joint, whoever wrote the plugin.
+/// Elements whose text is the name of a joint in any simulator plugin.
 const JOINT_WORDS: [&str; 8] =
     ["joint_name", "jointName", "left_joint", "right_joint", "leftJoint", "rightJoint", "mimicJoint", "mimic_joint"];
 

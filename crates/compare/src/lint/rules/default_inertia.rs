@@ -1,4 +1,4 @@
-//! SDF: a mass that nobody stated.
+//! SDF: a mass that is not stated.
 
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
@@ -8,8 +8,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D110",
     name: NAME,
     level: Level::Warning,
-    summary: "SDF: a link states no mass or no tensor, and weighs 1 kg with 1 kg·m² about each axis",
-    why: "That is SDF's default, also for a link that is a mere frame. State `<inertial>`, or make the link a `<frame>`.",
+    summary: "SDF: a link states no mass or inertia, so it has 1 kg and 1 kg·m² about each axis",
+    why: "That is the SDF default, even for a link that is only a frame. State `<inertial>`, or make the link a \
+          `<frame>`.",
     bad: "<sdf version=\"1.9\"><model name=\"m\">\n  <link name=\"base\"/>\n</model></sdf>",
     good: "<sdf version=\"1.9\"><model name=\"m\">\n  <link name=\"base\">\n    <inertial><mass>2</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial>\n  </link>\n</model></sdf>",
     fixable: false,

@@ -14,16 +14,16 @@ pub(super) const RULE: Rule = Rule {
     code: "D017",
     name: "degrees",
     level: Level::Warning,
-    summary: "An angle is beyond a turn and a round number of degrees: it is written in degrees, URDF counts in radians",
-    why: "`rpy=\"90 0 0\"` turns by 90 rad, which is 14.3 turns and ends at 116.6°; limits of ±180 let the joint make 57 \
-          turns. Write radians. Nothing is fixed by itself, since other programs read these numbers as radians, too.",
+    summary: "An angle exceeds one turn and is a round number: it is in degrees, but URDF uses radians",
+    why: "`rpy=\"90 0 0\"` turns by 90 rad, which is 14.3 turns and ends at 116.6°; limits of ±180 allow 57 turns. \
+          Write radians. There is no automatic fix, because other programs read these numbers as radians, too.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <origin rpy=\"90 0 0\"/>\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-170\" upper=\"170\" effort=\"10\" velocity=\"90\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <origin rpy=\"1.5707963267948966 0 0\"/>\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-2.96706\" upper=\"2.96706\" effort=\"10\" velocity=\"1.5708\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,
     check,
 };
 
-/// Nobody writes more degrees than two turns.
+/// Largest plausible angle in degrees: two turns.
 const MOST_DEGREES: f64 = 2.0 * 360.0;
 
 /// Beyond a turn in radians, and a multiple of half a degree.
@@ -39,7 +39,7 @@ fn is_power_of_ten(value: f64) -> bool {
 
 fn check(sheet: &Sheet) -> Vec<Found> {
     let mut found = Vec::new();
-    // An MJCF says in which unit it counts, and has a rule of its own.
+    // An MJCF states its unit, and has a separate rule.
     if sheet.format() == Format::Mjcf {
         return found;
     }
@@ -60,7 +60,7 @@ fn turns(joint: &Joint) -> bool {
     matches!(joint.kind, JointKind::Revolute | JointKind::Continuous | JointKind::Screw(_))
 }
 
-/// Joints may make two turns, or stop after 12 rad; from here on nobody means radians.
+/// Joints may make two turns, or stop after 12 rad; larger limits are not radians.
 const SMALLEST_RANGE: f64 = 15.0;
 
 /// Whether a range is in degrees: some of it is round and beyond a turn. `surely`: the robot's others are.
@@ -72,7 +72,7 @@ fn is_range(lower: f64, upper: f64, surely: bool) -> bool {
     lower.abs().max(upper.abs()) <= MOST_DEGREES && (is_degrees(lower) || is_degrees(upper))
 }
 
-/// A bound in radians; one that is no round number is in radians already.
+/// A bound in radians; a bound that is not a round number already is in radians.
 fn in_radians(bound: f64) -> f64 {
     if (2.0 * bound).fract() == 0.0 { bound.to_radians() } else { bound }
 }
@@ -89,13 +89,13 @@ fn limits(sheet: &Sheet, joint: &Joint, surely: bool) -> Option<Found> {
     let mut parts = Vec::new();
     if let Some((lower, upper)) = range {
         let (low, high) = (in_radians(lower), in_radians(upper));
-        parts.push(format!("lower {lower} and upper {upper} are round numbers of degrees; write {low} and {high}"));
+        parts.push(format!("lower {lower} and upper {upper} look like degrees; write {low} and {high}"));
     }
     if let Some(speed) = speed {
         let per_second = speed.to_radians();
-        parts.push(format!("velocity {speed} is a round number of degrees per second; write {per_second}"));
+        parts.push(format!("velocity {speed} looks like degrees per second; write {per_second}"));
     }
-    let what = format!("<limit> counts in radians: {}", parts.join("; "));
+    let what = format!("<limit> uses radians: {}", parts.join("; "));
     (!parts.is_empty()).then(|| Found::at(at, format!("joint \"{}\"", joint.name), what))
 }
 
@@ -117,7 +117,7 @@ fn soft_limits(sheet: &Sheet, joint: &Joint, surely: bool) -> Option<Found> {
     let at = sheet.below(joint.at, &["safety_controller"]);
     let (low, high) = (in_radians(lower), in_radians(upper));
     let what = format!(
-        "<safety_controller> counts in radians: soft limits {lower} and {upper} are round numbers of degrees; write {low} \
+        "<safety_controller> uses radians: soft limits {lower} and {upper} are round numbers of degrees; write {low} \
          and {high}"
     );
     Some(Found::at(at, format!("joint \"{}\"", joint.name), what))
@@ -130,7 +130,7 @@ fn offset(sheet: &Sheet, joint: &Joint) -> Option<Found> {
     }
     let at = sheet.below(joint.at, &["mimic"]);
     let radians = offset.to_radians();
-    let what = format!("<mimic> counts in radians: offset {offset} is a round number of degrees; write {radians}");
+    let what = format!("<mimic> uses radians: offset {offset} is a round number of degrees; write {radians}");
     Some(Found::at(at, format!("joint \"{}\"", joint.name), what))
 }
 
@@ -151,10 +151,6 @@ fn rpy(node: Node) -> Option<Found> {
     }
     let radians: Vec<String> = angles.iter().map(|angle| in_radians(*angle).to_string()).collect();
     let shown: Vec<String> = angles.iter().map(f64::to_string).collect();
-    let what = format!(
-        "{name} counts in radians: {} has round numbers of degrees; write {}",
-        shown.join(" "),
-        radians.join(" ")
-    );
+    let what = format!("{name} uses radians: {} looks like degrees; write {}", shown.join(" "), radians.join(" "));
     Some(Found::at(node.range().start, super::owner(node), what))
 }

@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     name: "duplicate-name",
     level: Level::Error,
     summary: "Two links or two joints have the same name",
-    why: "Names are how joints find links and how controllers find joints. Most readers stop, some keep the last one.",
+    why: "Joints refer to links by name, and controllers to joints. Most readers stop, some keep the last one.",
     bad: "<link name=\"base\"/>\n<link name=\"base\"/>",
     good: "<link name=\"base\"/>",
     fixable: false,

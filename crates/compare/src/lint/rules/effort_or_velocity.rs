@@ -10,8 +10,8 @@ pub(super) const RULE: Rule = Rule {
     code: "D024",
     name: "speed-or-effort",
     level: Level::Note,
-    summary: "A joint's limit has no effort or velocity, or one of them is 0",
-    why: "URDF requires both. Readers take 0, and then a planner finds that the joint cannot be moved.",
+    summary: "A joint's `<limit>` has no effort or velocity, or one of them is 0",
+    why: "URDF requires both. Readers use 0, and then a planner cannot move the joint.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-1\" upper=\"1\" velocity=\"0\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,
@@ -40,7 +40,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             })
             .collect();
         if !lacking.is_empty() {
-            let what = format!("<limit>: {}; state how fast and how strong the joint is", lacking.join(", "));
+            let what = format!("<limit>: {}; state the joint's maximum speed and effort", lacking.join(", "));
             found.push(Found::at(at, format!("joint \"{}\"", joint.name), what));
         }
     }

@@ -11,9 +11,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D061",
     name: "frame-twice",
     level: Level::Note,
-    summary: "Two frames that carry nothing are at the same place of the same link",
-    why: "Two names for one frame invite one of them to be moved and the other forgotten. If both names are needed, \
-          fix the second to the first: then there is one place to edit.",
+    summary: "Two empty frames have the same pose on the same link",
+    why: "If someone moves one of them, the other is easily forgotten. If both names are needed, attach the second to \
+          the first: then there is one place to edit.",
     bad: "<link name=\"arm\"/>\n<link name=\"tool0\"/>\n<link name=\"tcp\"/>\n<joint name=\"a\" type=\"fixed\">\n  <origin xyz=\"0 0 0.1\"/>\n  <parent link=\"arm\"/>\n  <child link=\"tool0\"/>\n</joint>\n<joint name=\"b\" type=\"fixed\">\n  <origin xyz=\"0 0 0.1\"/>\n  <parent link=\"arm\"/>\n  <child link=\"tcp\"/>\n</joint>",
     good: "<link name=\"arm\"/>\n<link name=\"tool0\"/>\n<link name=\"tcp\"/>\n<joint name=\"a\" type=\"fixed\">\n  <origin xyz=\"0 0 0.1\"/>\n  <parent link=\"arm\"/>\n  <child link=\"tool0\"/>\n</joint>\n<joint name=\"b\" type=\"fixed\">\n  <parent link=\"tool0\"/>\n  <child link=\"tcp\"/>\n</joint>",
     fixable: false,
@@ -32,7 +32,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     for joint in robot.joints.iter().filter(|joint| !joint.kind.moves() && leaves.contains(&joint.child)) {
         let [x, y, z] = joint.origin.xyz;
         let [roll, pitch, yaw] = joint.origin.rpy;
-        // A frame that is fixed to another by nothing says that it is the same.
+        // A frame fixed to another without an origin is intentionally the same.
         let origin = [x, y, z, roll, pitch, yaw];
         if origin == [0.0; 6] || !is_empty(&robot.links[joint.child]) {
             continue;
@@ -44,7 +44,8 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             Entry::Occupied(first) => {
                 let (own, other) = (&robot.links[joint.child], &robot.links[*first.get()].name);
                 let what = format!(
-                    "this frame is where frame \"{other}\" is; fix it to \"{other}\" without an origin, or remove one of the two"
+                    "this frame has the same pose as frame \"{other}\"; attach it to \"{other}\" without an origin, \
+                     or remove one of the two"
                 );
                 found.push(Found::at(joint.at, format!("link \"{}\"", own.name), what));
             }

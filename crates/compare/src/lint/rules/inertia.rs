@@ -9,17 +9,17 @@ pub(super) const RULE: Rule = Rule {
     code: "D031",
     name: "inertia-not-physical",
     level: Level::Error,
-    summary: "An inertia tensor is not positive definite, or breaks the triangle inequality",
-    why: "The principal moments of any body are positive, and none is larger than the sum of the other two. With another \
-          tensor a simulation gains energy from nothing. Usual causes: moments rounded to 0, products of inertia of the \
-          wrong sign or frame, ixx and izz mixed up.",
+    summary: "An inertia tensor is not positive definite, or violates the triangle inequality",
+    why: "The principal moments of any body are positive, and none exceeds the sum of the other two. With another \
+          tensor a simulation gains energy from nothing. Usual causes: moments rounded to 0, products of inertia with \
+          the wrong sign or frame, ixx and izz swapped.",
     bad: "<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"3\"/>\n  </inertial>\n</link>",
     good: "<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1.5\"/>\n  </inertial>\n</link>",
     fixable: false,
     check,
 };
 
-/// Digits that a file writes at least: flat plates sit on the border of the inequality, and rounding puts them over it.
+/// Minimum precision of a file: flat plates are at the limit of the inequality, and rounding may exceed it.
 const WRITTEN: f64 = 1e-3;
 
 /// Relative rounding of eigenvalues, with room.
@@ -42,7 +42,8 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             format!("principal moments {small:.4e}, {middle:.4e}, {large:.4e} kg·m²: not all are positive")
         } else if large > (small + middle) * (1.0 + WRITTEN) {
             format!(
-                "principal moments {small:.4e}, {middle:.4e}, {large:.4e} kg·m²: the largest is more than the sum of the others"
+                "principal moments {small:.4e}, {middle:.4e}, {large:.4e} kg·m²: the largest exceeds the sum of the \
+                 others"
             )
         } else {
             continue;

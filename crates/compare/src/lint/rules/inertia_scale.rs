@@ -9,7 +9,7 @@ pub(super) const RULE: Rule = Rule {
     code: "D032",
     name: "inertia-scale",
     level: Level::Warning,
-    summary: "An inertia tensor is that of a body larger than the whole robot",
+    summary: "An inertia tensor belongs to a body larger than the whole robot",
     why: "The radius of gyration √(I/m) of a link is smaller than the link. Usual causes: `ixx=\"1\"` left by a template, \
           and tensors in kg·mm² or g·mm².",
     bad: "<link name=\"base\">\n  <inertial>\n    <mass value=\"0.1\"/>\n    <inertia ixx=\"10\" ixy=\"0\" ixz=\"0\" iyy=\"10\" iyz=\"0\" izz=\"10\"/>\n  </inertial>\n</link>",
@@ -28,7 +28,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         if radius > size {
             let at = sheet.below(link.at, &["inertial", "inertia"]);
             let what = format!(
-                "its radius of gyration is {}, the robot's size {}; are the units kg·m²?",
+                "its radius of gyration is {}, but the robot's size is {}; are the units kg·m²?",
                 words::length(radius),
                 words::length(size)
             );

@@ -9,8 +9,9 @@ pub(super) const RULE: Rule = Rule {
     name: "inertia-zero",
     level: Level::Warning,
     summary: "A link has a mass, but its inertia tensor is zero",
-    why: "Vendors often publish masses and centres of mass alone. Statics, such as gravity loads, needs no more; simulators \
-          do, and stop or shake. Give the tensor, or allow the rule where nothing simulates the robot.",
+    why: "Vendors often publish only masses and centres of mass. That suffices for statics, such as gravity loads, \
+          but not for simulators, which stop or become unstable. Give the tensor, or allow this rule if nothing \
+          simulates the robot.",
     bad: "<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/>\n  </inertial>\n</link>",
     good: "<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1.5\"/>\n  </inertial>\n</link>",
     fixable: false,

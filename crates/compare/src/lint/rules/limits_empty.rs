@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     name: "limits-equal",
     level: Level::Warning,
     summary: "A joint's lower and upper limit are the same",
-    why: "It cannot move. Usually limits that an exporter left at 0 and 0; a joint that shall not move is `fixed`.",
+    why: "It cannot move. Usually an exporter left the limits at 0 and 0; a joint that must not move is `fixed`.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"0\" upper=\"0\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

@@ -11,8 +11,8 @@ pub(super) const RULE: Rule = Rule {
     name: "limits-missing",
     level: Level::Error,
     summary: "A revolute or prismatic joint states no position limits",
-    why: "URDF requires `<limit>` there. Readers refuse the file, or take both limits as 0, so that the joint cannot move. \
-          A joint that turns without end is `continuous`.",
+    why: "URDF requires `<limit>` there. Readers refuse the file, or set both limits to 0, so that the joint cannot \
+          move. A joint without limits is `continuous`.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"revolute\">\n  <axis xyz=\"0 0 1\"/>\n  <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

@@ -1,4 +1,4 @@
-//! Meshes that are not where the file says.
+//! Missing mesh files.
 
 use crate::lint::finding::Found;
 use crate::lint::{Lookup, Rule, Sheet};
@@ -10,10 +10,10 @@ pub(super) const RULE: Rule = Rule {
     code: "D050",
     name: "mesh-not-found",
     level: Level::Error,
-    summary: "A mesh file is not there",
-    why: "`package://NAME/…` is looked up in the folders of `‹package-path›`, of `package-path` in `denavit.toml` and of \
-          ROS_PACKAGE_PATH, and upwards from the file; other names count from the file's own folder. On disks that tell \
-          upper from lower case, so must the name.",
+    summary: "A mesh file is missing",
+    why: "`package://NAME/…` is searched in the folders of `‹package-path›`, of `package-path` in `denavit.toml` and \
+          of ROS_PACKAGE_PATH, and in the parent folders of the file; other names are relative to the file's folder. \
+          Upper and lower case must match where the file system distinguishes them.",
     bad: "<link name=\"base\">\n  <visual>\n    <geometry>\n      <mesh filename=\"meshes/bsae.stl\"/>\n    </geometry>\n  </visual>\n</link>",
     good: "<link name=\"base\">\n  <visual>\n    <geometry>\n      <mesh filename=\"meshes/base.stl\"/>\n    </geometry>\n  </visual>\n</link>",
     fixable: false,
@@ -29,7 +29,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         let Some(name) = mesh.attribute("filename") else { continue };
         match sheet.look_up(name) {
             Lookup::NotFound(why) => {
-                let what = format!("mesh {name} is not there: {why}");
+                let what = format!("mesh {name} not found: {why}");
                 found.push(Found::at(mesh.range().start, super::owner(mesh), what));
             }
             Lookup::NoPackage { package, why } => {
@@ -46,7 +46,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     for package in order {
         let Some((mesh, why, count)) = packages.remove(&package) else { continue };
         let meshes = if count == 1 { "a mesh is".to_owned() } else { format!("{count} meshes are") };
-        let what = format!("{meshes} in package {package}, which is not there: {why}");
+        let what = format!("{meshes} in package {package}, which was not found: {why}");
         found.push(Found::at(mesh.range().start, super::owner(mesh), what));
     }
     found

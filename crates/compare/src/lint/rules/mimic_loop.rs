@@ -10,8 +10,8 @@ pub(super) const RULE: Rule = Rule {
     code: "D041",
     name: "mimic-loop",
     level: Level::Error,
-    summary: "A joint mimics itself, a joint that follows it in turn, or a joint that does not move",
-    why: "Nothing then says where it is.",
+    summary: "A joint mimics itself, a joint that mimics it, or a joint that does not move",
+    why: "Its position is then undefined.",
     bad: "<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"finger\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n  <mimic joint=\"finger\"/>\n</joint>",
     good: "<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"finger\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n</joint>",
     fixable: false,
@@ -31,7 +31,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             Follows::Itself => "which leads back to it",
             _ => continue,
         };
-        let what = format!("it mimics joint \"{}\", {why}; free one of them", mimic.joint);
+        let what = format!("it mimics joint \"{}\", {why}; remove one <mimic>", mimic.joint);
         found.push(Found::at(sheet.below(joint.at, &["mimic"]), format!("joint \"{}\"", joint.name), what));
     }
     found

@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     name: "mimic-unknown",
     level: Level::Error,
     summary: "A joint mimics a joint that does not exist",
-    why: "Readers stop, or leave the joint at rest. Often a prefix that was put before the joint's name but not into its \
+    why: "Readers stop, or keep the joint at rest. Often a prefix was added to the joint's name but not in its \
           `<mimic>`.",
     bad: "<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"left_finger\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n  <mimic joint=\"finger\"/>\n</joint>",
     good: "<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"left_finger\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n</joint>",

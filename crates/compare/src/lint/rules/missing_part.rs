@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     name: "missing-part",
     level: Level::Error,
     summary: "A link or joint has no name, type, parent, child or thread pitch",
-    why: "Without it the robot has no tree. Readers stop here, some with a message that names no line.",
+    why: "Without it the robot has no tree. Readers stop, some with a message that names no line.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"base\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

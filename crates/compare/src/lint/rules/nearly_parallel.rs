@@ -12,9 +12,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D011",
     name: "nearly-parallel",
     level: Level::Warning,
-    summary: "Two neighbouring axes are between 1e-9 and 1e-3 rad from parallel, and no rounded π explains it",
-    why: "Either they are meant to be parallel, and an axis or angle has too few digits; or the robot is calibrated, and \
-          then its Denavit-Hartenberg table needs the Hayati form for this pair.",
+    summary: "Two neighbouring axes are between 1e-9 and 1e-3 rad from parallel, and no rounded π explains this",
+    why: "Either they should be parallel, and an axis or angle has too few digits; or the robot is calibrated, and \
+          its Denavit-Hartenberg table needs the Hayati form for this pair.",
     bad: "<link name=\"a\"/>\n<link name=\"b\"/>\n<link name=\"c\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n</joint>\n<joint name=\"k\" type=\"continuous\">\n  <origin xyz=\"1 0 0\" rpy=\"0.00001 0 0\"/>\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"b\"/>\n  <child link=\"c\"/>\n</joint>",
     good: "<link name=\"a\"/>\n<link name=\"b\"/>\n<link name=\"c\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"a\"/>\n  <child link=\"b\"/>\n</joint>\n<joint name=\"k\" type=\"continuous\">\n  <origin xyz=\"1 0 0\"/>\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"b\"/>\n  <child link=\"c\"/>\n</joint>",
     fixable: false,
@@ -36,7 +36,8 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         let angle = angle_between(&u, &w).min(angle_between(&-u.into_inner(), &w));
         if let (true, Some(at)) = (NEARLY.contains(&angle), places.get(joint.name.as_str())) {
             let what = format!(
-                "its axis is {angle:.1e} rad from parallel to that of joint \"{}\"; write more digits, or none",
+                "its axis is {angle:.1e} rad from parallel to that of joint \"{}\"; write more digits, or the exact \
+                 direction",
                 parent.name
             );
             found.push(Found::at(*at, format!("joint \"{}\"", joint.name), what));

@@ -10,8 +10,8 @@ pub(super) const RULE: Rule = Rule {
     name: "not-a-tree",
     level: Level::Error,
     summary: "Links are unreachable from the root, are carried by two joints, or close a loop",
-    why: "A URDF is a tree with one root. A second root is a part that nobody mounted; a loop has to be cut at one joint \
-          and closed outside the URDF.",
+    why: "A URDF is a tree with one root. A second root is a part that is not attached; cut a loop at one joint and \
+          close it outside the URDF.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<link name=\"lost\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

@@ -9,10 +9,10 @@ pub(in crate::lint) const RULE: Rule = Rule {
     code: "D009",
     name: "not-understood",
     level: Level::Warning,
-    summary: "An attribute, an element or text is not understood, and changes nothing",
-    why: "What a program does not understand it leaves out, and the robot is another one in each program that reads the file. \
-          Often a name is misspelt (`rpi`, `<orgin>`), or is in an element that does not have it. What belongs to \
-          simulators, controllers and drawings is known and kept, and no finding.",
+    summary: "An attribute, element or text is not understood and has no effect",
+    why: "A program ignores what it does not understand, so each program may read a different robot. Often a name is \
+          misspelt (`rpi`, `<orgin>`), or is in the wrong element. Known elements of simulators, controllers and CAD \
+          programs are kept and not reported.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 1\" rpi=\"0 0 1.5707963267948966\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 1\" rpy=\"0 0 1.5707963267948966\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

@@ -10,9 +10,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D016",
     name: "origin-far",
     level: Level::Warning,
-    summary: "A joint's origin is farther away than any robot is long",
-    why: "URDF counts in metres. Lengths of hundreds are millimetres that nobody divided by 1000; beyond that a number is \
-          garbage, and with it every pose.",
+    summary: "A joint's origin is farther away than any robot's size",
+    why: "URDF uses metres. Lengths of hundreds are usually millimetres; larger numbers are garbage, and make every \
+          pose garbage.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 425\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <origin xyz=\"0 0 0.425\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

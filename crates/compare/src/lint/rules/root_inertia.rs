@@ -9,7 +9,8 @@ pub(super) const RULE: Rule = Rule {
     name: "root-inertia",
     level: Level::Note,
     summary: "The root link has an `<inertial>`",
-    why: "KDL does not take a root link with mass and says so at every start. Put an empty link before it, on a fixed joint.",
+    why: "KDL does not support a root link with mass and warns at every start. Add an empty root link, with a fixed \
+          joint to this link.",
     bad: "<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1e-3\" ixy=\"0\" ixz=\"0\" iyy=\"1e-3\" iyz=\"0\" izz=\"1e-3\"/>\n  </inertial>\n</link>",
     good: "<link name=\"world\"/>\n<link name=\"base\">\n  <inertial>\n    <mass value=\"1\"/>\n    <inertia ixx=\"1e-3\" ixy=\"0\" ixz=\"0\" iyy=\"1e-3\" iyz=\"0\" izz=\"1e-3\"/>\n  </inertial>\n</link>\n<joint name=\"mount\" type=\"fixed\">\n  <parent link=\"world\"/>\n  <child link=\"base\"/>\n</joint>",
     fixable: false,
@@ -23,6 +24,6 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         return Vec::new();
     }
     let at = sheet.below(root.at, &["inertial"]);
-    let what = "the root link has mass, which KDL does not take; put an empty root link before it";
+    let what = "the root link has mass, which KDL does not support; add an empty root link above it";
     vec![Found::at(at, format!("link \"{}\"", root.name), what)]
 }

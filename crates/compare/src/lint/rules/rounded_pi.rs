@@ -12,12 +12,12 @@ pub(super) const RULE: Rule = Rule {
     code: "D010",
     name: "rounded-pi",
     level: Level::Warning,
-    summary: "An angle of a joint origin is a multiple of π written to few digits, so axes are only nearly parallel; or a limit \
-              is one rounded up, so that it lies beyond ±π",
-    why: "Axes that are meant to be parallel or at right angles then miss that by 1e-6 to 1e-3 rad. Denavit-Hartenberg \
-          tables of such a robot have numbers of kilometres, and inverse kinematics that tests for a spherical wrist \
-          fails. A limit of ±3.1416 lets the joint go to 180.0004°: beyond ±180°, where controllers refuse the value and \
-          angles change their sign. Limits that were rounded down are left alone. Write the angle to all digits.",
+    summary: "An angle of a joint origin is a multiple of π with too few digits, so axes are only nearly parallel; or \
+              a limit is rounded up beyond ±π",
+    why: "Axes that should be parallel or perpendicular then deviate by 1e-6 to 1e-3 rad. Denavit-Hartenberg tables \
+          of such a robot have lengths of kilometres, and inverse kinematics that tests for a spherical wrist fails. \
+          A limit of ±3.1416 lets the joint go to 180.0004°: beyond ±180°, where controllers refuse the value and \
+          angles change their sign. Limits that were rounded down are not reported. Write all digits of the angle.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <origin rpy=\"1.5708 0 -3.14\"/>\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <origin rpy=\"1.5707963267948966 0 -3.141592653589793\"/>\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: true,
@@ -35,7 +35,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         let mut off: f64 = 0.0;
         for (offset, word) in words(written) {
             let Some(angle) = intended::read_as(word) else { continue };
-            // What is off by less than that is π to single precision: as good as it gets in many tools.
+            // A smaller deviation is π in single precision, the best that many tools can write.
             if angle.change.abs() < NOTHING {
                 continue;
             }
@@ -80,5 +80,5 @@ fn is_half_turns(angle: f64) -> bool {
     angle != 0.0 && (angle / PI).fract() == 0.0
 }
 
-/// Twelve digits written, rad: below, nothing in the world shows it.
+/// Twelve digits, rad: smaller deviations have no effect.
 const NOTHING: f64 = 1e-9;

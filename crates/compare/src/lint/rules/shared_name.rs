@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     name: "shared-name",
     level: Level::Note,
     summary: "A link has the same name as a joint",
-    why: "URDF allows it. Converters to formats with one name space for both (SDF, MJCF) rename one of them or stop.",
+    why: "URDF allows this. Converters to formats with one name space for both (SDF, MJCF) rename one of them or stop.",
     bad: "<link name=\"base\"/>\n<link name=\"wrist\"/>\n<joint name=\"wrist\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"wrist\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"wrist\"/>\n<joint name=\"wrist_joint\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"wrist\"/>\n</joint>",
     fixable: false,

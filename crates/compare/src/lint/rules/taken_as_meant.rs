@@ -1,4 +1,4 @@
-//! What only a patient reader takes.
+//! What only a tolerant reader accepts.
 
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
@@ -9,9 +9,9 @@ pub(super) const RULE: Rule = Rule {
     code: "D007",
     name: "taken-as-meant",
     level: Level::Warning,
-    summary: "Something that URDF does not allow was read as it was surely meant",
-    why: "Unbound namespace prefixes, doubled elements, a `world` link that nobody declares, text before the XML \
-          declaration: this program reads them, others stop.",
+    summary: "The file breaks the rules of URDF, but its meaning is clear, and it was read that way",
+    why: "This program reads unbound namespace prefixes, duplicate elements, an undeclared `world` link, and text \
+          before the XML declaration; others stop.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

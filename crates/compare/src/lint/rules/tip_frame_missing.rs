@@ -9,8 +9,8 @@ pub(super) const RULE: Rule = Rule {
     code: "D070",
     name: "tip-frame-missing",
     level: Level::Note,
-    summary: "The longest arm ends in a link that a joint moves, with no frame for the flange or tool",
-    why: "Where the tool sits is then known to nobody: planners take the last joint's frame, whose place along the axis is \
+    summary: "The longest arm ends at a moving link, without a frame for the flange or tool",
+    why: "The tool pose is then undefined: planners use the last joint's frame, whose position along the axis is \
           arbitrary. Add an empty link `tool0` on a fixed joint at the flange.",
     bad: "<link name=\"base\"/>\n<link name=\"shoulder\"/>\n<link name=\"arm\"/>\n<link name=\"wrist\"/>\n<joint name=\"j1\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"shoulder\"/>\n</joint>\n<joint name=\"j2\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"shoulder\"/>\n  <child link=\"arm\"/>\n</joint>\n<joint name=\"j3\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"arm\"/>\n  <child link=\"wrist\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"shoulder\"/>\n<link name=\"arm\"/>\n<link name=\"wrist\"/>\n<link name=\"tool0\"/>\n<joint name=\"j1\" type=\"continuous\">\n  <axis xyz=\"0 0 1\"/>\n  <parent link=\"base\"/>\n  <child link=\"shoulder\"/>\n</joint>\n<joint name=\"j2\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"shoulder\"/>\n  <child link=\"arm\"/>\n</joint>\n<joint name=\"j3\" type=\"continuous\">\n  <axis xyz=\"0 1 0\"/>\n  <parent link=\"arm\"/>\n  <child link=\"wrist\"/>\n</joint>\n<joint name=\"flange\" type=\"fixed\">\n  <origin xyz=\"0 0 0.1\"/>\n  <parent link=\"wrist\"/>\n  <child link=\"tool0\"/>\n</joint>",
@@ -18,7 +18,7 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
-/// From this many joints on, a chain is an arm.
+/// A chain with at least this many joints is an arm.
 const AN_ARM: usize = 3;
 
 fn check(sheet: &Sheet) -> Vec<Found> {
@@ -34,15 +34,15 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     if has_gripper(robot, tip) {
         return Vec::new();
     }
-    let what = format!("the arm ends here, right behind joint \"{}\"; add a fixed frame at the flange", joint.name);
+    let what = format!("the arm ends here, directly after joint \"{}\"; add a fixed frame at the flange", joint.name);
     vec![Found::at(robot.links[tip].at, format!("link \"{}\"", chain.tip), what)]
 }
 
 /// Words in the names of what a gripper moves.
 const GRIPPER: [&str; 5] = ["grip", "finger", "jaw", "claw", "thumb"];
 
-/// Whether the chain to `tip` ends in a gripper that is mounted on a fixed frame: fingers that hang side by side on one
-/// body behind the arm, or a last joint that is called so.
+/// Whether the chain to `tip` ends in a gripper that is mounted on a fixed frame: fingers side by side on one
+/// body after the arm, or a last joint with such a name.
 fn has_gripper(robot: &Robot, tip: usize) -> bool {
     let placed = PlacedRobot::new(robot, Reading::AsWritten);
     let way: Vec<usize> =

@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     name: "unknown-link",
     level: Level::Error,
     summary: "A joint names a parent or child link that does not exist",
-    why: "Usually a slip of the pen or a prefix that was not passed on.",
+    why: "Usually a typing error or a prefix that was not passed on.",
     bad: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"bsae\"/>\n  <child link=\"arm\"/>\n</joint>",
     good: "<link name=\"base\"/>\n<link name=\"arm\"/>\n<joint name=\"j\" type=\"fixed\">\n  <parent link=\"base\"/>\n  <child link=\"arm\"/>\n</joint>",
     fixable: false,

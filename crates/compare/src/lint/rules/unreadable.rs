@@ -1,4 +1,4 @@
-//! The file is no URDF at all.
+//! The file is not a URDF.
 
 use crate::lint::finding::Found;
 use crate::lint::{Rule, Sheet};
@@ -9,9 +9,9 @@ pub(in crate::lint) const RULE: Rule = Rule {
     code: "D001",
     name: "unreadable",
     level: Level::Error,
-    summary: "The file is not well-formed XML, or its root is no `<robot>` with links",
-    why: "Nothing reads it. The usual causes: a git merge conflict that was committed, xacro that was saved as URDF, \
-          white space or text before the XML declaration, a failed expansion that left an empty robot.",
+    summary: "The file is not well-formed XML, or its root is not a `<robot>` with links",
+    why: "Nothing reads it. The usual causes: a committed git merge conflict, xacro saved as URDF, white space or \
+          text before the XML declaration, a failed expansion that left an empty robot.",
     bad: "<link name=\"base\">",
     good: "<link name=\"base\"/>",
     fixable: false,

@@ -9,8 +9,8 @@ pub(super) const RULE: Rule = Rule {
     name: "xacro-left",
     level: Level::Warning,
     summary: "The file has xacro elements that were not expanded",
-    why: "URDF readers skip them without a word, and with them whatever they would have brought. Expand the file, or give \
-          the .xacro to this program, which expands it.",
+    why: "URDF readers silently skip them and everything that they would insert. Expand the file, or give this \
+          program the .xacro file, which it expands.",
     bad: "<xacro:property xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"length\" value=\"1\"/>\n<link name=\"base\"/>",
     good: "<link name=\"base\"/>",
     fixable: false,

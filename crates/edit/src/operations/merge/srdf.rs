@@ -1,4 +1,4 @@
-//! An SRDF of which links became others: each name and each pair once.
+//! Updates an SRDF after links were merged: each name and each pair occurs once.
 
 use crate::error::EditError;
 use crate::operations::parse_srdf;
@@ -39,7 +39,7 @@ pub(super) fn merged(source: &SourceText, names: &Names, tally: &mut Tally) -> R
     }
     for node in &gone {
         edits.remove(source, *node);
-        tally.count("entry of the SRDF", "entries of the SRDF", "taken out");
+        tally.count("entry of the SRDF", "entries of the SRDF", "removed");
     }
     references::rename_where(&document, names, &mut edits, &|node| !gone.contains(&node));
     Ok(edits.apply(source)?)

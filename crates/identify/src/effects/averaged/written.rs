@@ -1,4 +1,4 @@
-//! An averaged prediction as a file has it.
+//! The file form of an averaged prediction.
 
 use crate::arm::Arm;
 use crate::effects::averaged::{Averaged, Known, KnownTip, Spread};
@@ -12,17 +12,17 @@ use denavit_model::nalgebra::{DMatrix, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 use serde::{Deserialize, Serialize};
 
-/// Means, covariance and what is known beside them; m, rad.
+/// Means, covariance and further data; m, rad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WrittenAveraged {
-    /// The robot with its geometry alone, which this is a correction of.
+    /// The robot with its geometry alone, which this corrects.
     geometric: ReferenceRobot,
     /// Everything that acts on the drawn robot, at its mean.
     effects: Vec<Effect<WrittenDriver>>,
     curves: Vec<Curve>,
-    /// Of each effect its driver's values where nobody records them.
+    /// For each effect its driver's values where they are not recorded.
     averages: Vec<Vec<f64>>,
-    /// Twists `[omega; v]` of the averaged robot's base and tip in those of the geometric one.
+    /// Twists `[omega; v]` of the averaged robot's base and tip relative to the geometric one's.
     base: [f64; 6],
     tip: [f64; 6],
     target: [f64; 3],
@@ -30,9 +30,9 @@ pub struct WrittenAveraged {
     instrument: Option<[f64; 6]>,
     /// Of all numbers: coefficients of the effects one after another, then waves.
     spread: WrittenSpread,
-    /// Of those that are geometry, where that acts alone.
+    /// Of the geometry numbers, for geometry alone.
     geometric_spread: WrittenSpread,
-    /// Twists of the drawn robot's base and tip in those of the geometric one, as both were placed by the rows.
+    /// Twists of the drawn robot's base and tip relative to the geometric one's, both placed by the rows.
     drawn_base: [f64; 6],
     drawn_tip: [f64; 6],
     drawn_variance_m2: f64,
@@ -47,7 +47,7 @@ pub struct WrittenAveraged {
 }
 
 /// Some numbers' covariance: row k holds those of number k with the ones before it and itself. After the numbers come the instrument's frame,
-/// where there is one, and the target's place.
+/// where there is one, and the target's position.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct WrittenSpread {
     kept: Vec<usize>,
@@ -60,7 +60,7 @@ impl WrittenSpread {
         Self { kept: spread.kept.clone(), covariance: (0..spread.covariance.nrows()).map(row).collect() }
     }
 
-    /// Where it fits so many numbers.
+    /// The covariance, if it matches this number of parameters.
     fn spread(self, numbers: usize, beside: usize) -> Option<Spread> {
         let size = self.kept.len() + beside;
         let rows = &self.covariance;
@@ -78,7 +78,7 @@ fn twist(pose: &Pose) -> [f64; 6] {
 }
 
 impl WrittenAveraged {
-    /// As it is written; none where it is of several tips: a file is of one, see [`EffectModel::to_tip`].
+    /// The file form; none for several tips: a file is for one tip, see [`EffectModel::to_tip`].
     pub fn of(averaged: &Averaged) -> Option<Self> {
         let (known, mean) = (&averaged.known, averaged.mean());
         let [tip] = &known.tips[..] else { return None };
@@ -113,10 +113,10 @@ impl WrittenAveraged {
         })
     }
 
-    /// The prediction, nothing that it follows bound to a column yet.
+    /// The prediction, with no columns bound yet.
     ///
     /// # Errors
-    /// What does not fit the robot, in words.
+    /// What does not match the robot, as text.
     pub fn averaged(self, file: &str, statics: &Statics) -> Result<Averaged, String> {
         let geometric = self.geometric.statics(file).map_err(|error| format!("averaged: {error}"))?.chain;
         let joints = statics.chain.joints().len();
@@ -128,24 +128,24 @@ impl WrittenAveraged {
             let bad = |why: &str| Err(format!("averaged: effect {}: {why}", index + 1));
             let Term { kind, carrier, driver, coupling } = term;
             if carrier.joint().into_iter().chain(driver.joints()).any(|joint| joint >= joints) {
-                return bad("it names a joint that is not there");
+                return bad("it names an unknown joint");
             }
             if driver.fault().is_some() {
-                return bad("a number of its driver cannot be");
+                return bad("a number of its driver is out of range");
             }
             let term = Term { kind, carrier, driver: driver.named(&statics.chain), coupling };
             if coefficients.len() != term.coefficients_of(statics, term.driver.len(statics)) {
-                return bad("it has another number of coefficients");
+                return bad("it has the wrong number of coefficients");
             }
             if self.averages.get(index).is_none_or(|averages| averages.len() != term.driver.len(statics)) {
-                return bad("its averages do not fit its driver");
+                return bad("its averages do not match its driver");
             }
             effects.push(Effect { term, coefficients });
         }
         let numbers = effects.iter().map(|effect| effect.coefficients.len()).sum::<usize>()
             + self.curves.iter().map(|curve| curve.waves.len()).sum::<usize>();
         let beside = if self.instrument.is_some() { 9 } else { 3 };
-        let fits = || "averaged: covariance, kept numbers and ranges do not fit the effects and the robot".to_owned();
+        let fits = || "averaged: covariance, kept numbers and ranges do not match the effects and the robot".to_owned();
         if self.ranges.len() != statics.chain.coordinates().len() {
             return Err(fits());
         }

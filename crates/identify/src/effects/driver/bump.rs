@@ -1,4 +1,4 @@
-//! An error at one place of a joint's range.
+//! An error in one part of a joint's range.
 
 use serde::{Deserialize, Serialize};
 

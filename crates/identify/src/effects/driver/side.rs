@@ -1,4 +1,4 @@
-//! From which side a joint came to where it stands, as a driver follows it.
+//! The side from which a joint approached its position, as a driver uses it.
 
 use crate::effects::driver::{APPROACH, APPROACH_FROM_ROWS};
 use denavit_measurements::{Column, RecordedRow};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Side<C = Column> {
     /// The joint, counted from 0.
     pub joint: usize,
-    /// Read from the order of the rows, for the file does not say.
+    /// Computed from the order of the rows, since the file does not give it.
     pub from_rows: bool,
     /// Where it is recorded.
     #[serde(skip)]
@@ -30,7 +30,7 @@ impl<C> Side<C> {
 }
 
 impl Side<String> {
-    /// The column that a chain's joint has it in.
+    /// Names the column of the chain's joint.
     pub(in crate::effects) fn name_column(&mut self, chain: &Chain) {
         let ending = if self.from_rows { APPROACH_FROM_ROWS } else { APPROACH };
         self.column = format!("{}{ending}", chain.joints()[self.joint].name);
@@ -43,8 +43,8 @@ impl Side {
         recorded.value(&self.column)
     }
 
-    /// The side on which a joint with play comes to rest, +1 or -1, against friction under this torque (N·m; N for a slide): what
-    /// comes from below lags behind, as what gravity pushes down does.
+    /// The side on which a joint with play comes to rest, +1 or -1, with friction under this torque (N·m; N for a slide): approach from
+    /// below lags, as does a joint that gravity pushes down.
     pub(super) fn at_rest(&self, recorded: &RecordedRow<'_>, torque: f64, friction: f64) -> f64 {
         side_of(torque - friction * self.value(recorded))
     }

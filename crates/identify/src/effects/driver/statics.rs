@@ -1,4 +1,4 @@
-//! The chain and its masses, and how the arm stands with them in a row.
+//! The chain and its masses, and the arm's posture with them in a row.
 
 use crate::arm::{Perturbation, Row, RowState};
 use crate::effects::carrier::{axis_points, link_points, points_of};
@@ -8,11 +8,11 @@ use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
 use std::sync::Arc;
 
-/// An axis within 2.6° of gravity's direction stands upright, one within 2.6° of what is across gravity lies level: cosine and sine.
+/// An axis within 2.6° of gravity's direction is vertical, one within 2.6° of the horizontal is level: cosine and sine.
 const UPRIGHT: f64 = 0.999;
 const LEVEL: f64 = 0.045;
 
-/// Where the arm stands and what it carries.
+/// The arm's posture and its loads.
 #[derive(Debug, Clone, Default)]
 pub struct Posture {
     /// Motions of the joints.
@@ -23,49 +23,49 @@ pub struct Posture {
     pub axes: Vec<StandingAxis>,
 }
 
-/// Where a joint's axis stands, base frame.
+/// A joint's axis in a posture, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StandingAxis {
     /// Its direction, of length 1.
     pub along: Vector3<f64>,
-    /// From the axis to the point that the joint's [`Load`] is about, m.
+    /// From the axis to the reference point of the joint's [`Load`], m.
     pub lever: Vector3<f64>,
 }
 
 impl StandingAxis {
-    /// That of a joint at home; `point`: what its load is about, m.
+    /// The axis of a joint at home; `point`: reference point of its load, m.
     fn at_home(joint: &ChainJoint, point: &Point3<f64>) -> Self {
         let lever = joint.screw.line().map_or_else(Vector3::zeros, |line| point - line.nearest_to(point));
         Self { along: joint.screw.direction().into_inner(), lever }
     }
 
-    /// The same where what carries the joint has moved so far from home.
+    /// The same after this motion of the joint's carrier from home.
     fn moved(&self, before: &Pose) -> Self {
         Self { along: before.rotation * self.along, lever: before.rotation * self.lever }
     }
 }
 
-/// An arm with its masses, at home: what is the same for all rows.
+/// An arm with its masses, at home: the same for all rows.
 #[derive(Debug, Clone, Default)]
 pub struct AtHome {
-    /// Where its masses are, base frame, m; see [`Statics::centres`].
+    /// Positions of its masses, base frame, m; see [`Statics::centres`].
     centres: Vec<Point3<f64>>,
     axes: Vec<StandingAxis>,
 }
 
-/// What a driver may look at in one row.
+/// The data of one row that a driver may use.
 #[derive(Clone, Copy)]
 pub struct Conditions<'a> {
     /// Joint readings in coordinate order, rad or m.
     pub reading: &'a [f64],
-    /// What was recorded beside them.
+    /// The recorded quantities.
     pub recorded: RecordedRow<'a>,
-    /// The tip that was measured, of several: its place among [`Statics::tips`].
+    /// Index in [`Statics::tips`] of the tip that was measured.
     pub tip: usize,
 }
 
 impl<'a> Conditions<'a> {
-    /// Those of a row.
+    /// The conditions of a row.
     pub fn of(row: Row<'a>) -> Self {
         Self { reading: row.reading(), recorded: row.recorded(), tip: row.tip() }
     }
@@ -78,11 +78,11 @@ pub struct Statics {
     pub chain: Chain,
     /// Its tips.
     pub tips: Arc<Tips>,
-    /// What gravity acts on.
+    /// The masses that gravity acts on.
     pub masses: Masses,
     /// One point per joint and one for each tip, base frame at home, m: where links begin and end.
     pub points: Vec<Point3<f64>>,
-    /// For each joint the one that carries it.
+    /// For each joint, the joint that carries it.
     pub(super) carriers: Vec<Option<usize>>,
 }
 
@@ -96,7 +96,7 @@ pub struct LinkEnd {
 }
 
 impl Statics {
-    /// Of these parts; `points`: one per joint and one for each tip.
+    /// From these parts; `points`: one per joint and one for each tip.
     pub(in crate::effects) fn new(chain: Chain, tips: Arc<Tips>, masses: Masses, points: Vec<Point3<f64>>) -> Self {
         let carriers = tips.carriers();
         Self { chain, tips, masses, points, carriers }
@@ -119,7 +119,7 @@ impl Statics {
         Self::new(chain.clone(), tips.clone(), masses, points)
     }
 
-    /// For a chain without a tree: masses stand in, links run from axis to axis.
+    /// For a chain without a tree: default masses, links run from axis to axis.
     pub fn of_chain(chain: &Chain) -> Self {
         Self::of_tips(chain, &Arc::new(Tips::only(chain)))
     }
@@ -130,7 +130,7 @@ impl Statics {
         Self::new(chain.clone(), tips.clone(), masses, points)
     }
 
-    /// The joint that carries a joint; none where it stands on the base.
+    /// The joint that carries a joint; none where it is on the base.
     pub fn carrier(&self, joint: usize) -> Option<usize> {
         self.carriers[joint]
     }
@@ -149,15 +149,15 @@ impl Statics {
         })
     }
 
-    /// The joint itself and those that it carries, at most so many.
+    /// The joint itself and those that it carries, at most `most`.
     pub(in crate::effects) fn carried(&self, joint: usize, most: usize) -> impl Iterator<Item = usize> + '_ {
         (joint..self.chain.joints().len()).filter(move |&other| self.tips.carries(joint, other)).take(most)
     }
 
-    /// Stands an arm with these joints as one row has it, given way by a perturbation where one is known: with the axes of `joints`, actual
-    /// ones where they are known. Gravity points as the drawing has it.
+    /// The posture of an arm with these joints in one row, deflected by a perturbation where one is known: with the axes of `joints`, the actual
+    /// ones where known. Gravity has the drawing's direction.
     ///
-    /// Joints that are not on the way to the row's tip stand as they read: what they carry loads the joints before them.
+    /// Joints that are not on the way to the row's tip are at their readings: what they carry loads the joints before them.
     pub fn posture(
         &self,
         joints: &[ChainJoint],
@@ -176,7 +176,7 @@ impl Statics {
         AtHome { centres: self.centres(joints), axes: axes.collect() }
     }
 
-    /// How an arm stands whose joints make these motions ([`motions_into`]), in place of what is in `out`.
+    /// The posture of an arm whose joints make these motions ([`motions_into`]), written to `out`.
     pub fn posture_into(
         &self,
         arm: &AtHome,
@@ -189,7 +189,7 @@ impl Statics {
         state.after.clear();
         let tip = &self.tips[conditions.tip];
         let given_way = |reached: &mut Pose, slot: usize| {
-            // Most joints give way by nothing.
+            // Most joints have no deflection.
             let by = perturbation.map(|perturbation| &perturbation.twists[slot]).filter(|by| by.amax() > 0.0);
             if let Some(by) = by {
                 *reached *= se3::exp(by);
@@ -214,7 +214,7 @@ impl Statics {
         axes.extend(arm.axes.iter().zip(&state.before).map(|(axis, before)| axis.moved(before)));
     }
 
-    /// The same where masses stand in, in proportion so that they weigh this much together, kg.
+    /// The same with default masses, scaled to this total, kg.
     #[must_use]
     pub fn of_total(&self, total: f64) -> Self {
         let mut scaled = self.clone();
@@ -228,7 +228,7 @@ impl Statics {
         scaled
     }
 
-    /// Loads every joint of a posture with these masses alone, in place of the links'; `payload`: with a row's payload.
+    /// Loads every joint of a posture with these masses instead of the links'; `payload`: with a row's payload.
     ///
     /// `centres`: of the masses, base frame at home, m.
     pub fn load_with(
@@ -244,8 +244,8 @@ impl Statics {
         masses.loads_into(centres, &self.points, &self.carriers, state, payload, loads);
     }
 
-    /// Where an arm with these joints has its masses, base frame at home, m: each link moves along with the axis that it turns about, by the
-    /// least motion that brings the axis from where it is drawn to where it is. How the link is turned about the axis itself is as drawn.
+    /// Positions of the masses of an arm with these joints, base frame at home, m: each link moves with its joint's axis, by the smallest
+    /// motion from the drawn to the actual axis. The link's rotation about the axis is as drawn.
     pub fn centres(&self, joints: &[ChainJoint]) -> Vec<Point3<f64>> {
         let carried = |mass: &PointMass| {
             let (drawn, actual) = (&self.chain.joints()[mass.joint].screw, &joints[mass.joint].screw);
@@ -260,8 +260,8 @@ impl Statics {
         self.masses.points.iter().map(carried).collect()
     }
 
-    /// Whether gravity may load a joint: not one that turns about an upright axis, or slides along a level one, wherever the joints before it
-    /// stand. What little torque (or force) the tilt of a mounted base makes there tells nothing that geometry does not.
+    /// Whether gravity may load a joint: not one that turns about a vertical axis, or slides along a level one, whatever the joints before it
+    /// read. The small torque (or force) due to the tilt of a mounted base adds no information beyond geometry.
     pub fn feels_gravity(&self, joint: usize) -> bool {
         let down = self.masses.gravity.normalize();
         let along_gravity = |joint: &ChainJoint| joint.screw.direction().dot(&down).abs();
@@ -276,7 +276,7 @@ impl Statics {
     }
 }
 
-/// The motion that each joint makes to where it is read, in place of what is in `out`.
+/// The motion of each joint to its reading, written to `out`.
 pub fn motions_into(joints: &[ChainJoint], reading: &[f64], out: &mut Vec<Pose>) {
     out.clear();
     out.extend(joints.iter().map(|joint| joint.screw.motion(joint.value(reading))));

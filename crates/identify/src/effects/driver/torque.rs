@@ -1,4 +1,4 @@
-//! What gravity does to joints, links and the base of an arm that stands in some way.
+//! Gravity's loads on joints, links and the base of an arm in a posture.
 
 use crate::arm::AxisBasis;
 use crate::effects::driver::statics::{Posture, Statics};
@@ -9,13 +9,13 @@ use denavit_model::nalgebra::{Rotation3, Vector3};
 pub const TWIST_TO_BEND: f64 = 1.3;
 
 impl Posture {
-    /// Gravity's moment about where a joint's axis stands, base frame, N·m.
+    /// Gravity's moment about a joint's current position, base frame, N·m.
     fn moment(&self, joint: usize) -> Vector3<f64> {
         let load = &self.loads[joint];
         load.moment + self.axes[joint].lever.cross(&load.force)
     }
 
-    /// What of it is across the axis.
+    /// Its component perpendicular to the axis.
     pub(super) fn moment_across(&self, joint: usize) -> Vector3<f64> {
         let (moment, along) = (self.moment(joint), self.axes[joint].along);
         moment - along * along.dot(&moment)
@@ -41,7 +41,7 @@ impl Statics {
         moments.map(|((_, at), load)| load.moment + at.coords.cross(&load.force)).sum()
     }
 
-    /// Two lines across gravity, base frame: x and y as nearly as may be.
+    /// Two lines perpendicular to gravity, base frame: as near to x and y as possible.
     pub fn level(&self) -> [Vector3<f64>; 2] {
         let down = self.masses.gravity.normalize();
         let along = if down.x.abs() < down.y.abs().max(down.z.abs()) { Vector3::x() } else { Vector3::z() };
@@ -97,7 +97,7 @@ mod tests {
         for chain in examples::all() {
             let statics = Statics::of_chain(&chain);
             let recorded = RecordedRow::nothing();
-            // As drawn, and with axes that are not where they are drawn.
+            // As drawn, and with axes that differ from the drawing.
             let mut arm = Arm::new(&chain, &denavit_measurements::Scene::default());
             for (index, joint) in chain.joints().iter().enumerate() {
                 let moved = if joint.screw.line().is_some() { [0.02, -0.03] } else { [0.0; 2] };

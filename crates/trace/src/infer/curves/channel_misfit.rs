@@ -1,4 +1,4 @@
-//! What a model leaves of each channel of measured values, and how many of them its numbers use up.
+//! The residual of each channel of measured values, and the degrees of freedom that the model's parameters use there.
 
 use crate::infer::curves::{Round, State};
 use crate::infer::evidence::Posterior;
@@ -7,23 +7,23 @@ use denavit_linear::products::cross_gram;
 use denavit_linear::triangle::dot;
 use denavit_measurements::Measurements;
 
-/// Rows that say which channel's values the numbers use up.
+/// Rows from which the parameters' degrees of freedom are divided among the channels.
 const ROWS_SAMPLED: usize = 128;
 
-/// What a channel's values tell of its noise.
+/// Sums of a channel's values, for its noise.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ChannelMisfit {
-    /// Squares of what is left, in units of the noise that it had.
+    /// Sum of squared residuals, in units of its previous noise.
     pub misfit: f64,
     /// Values, weighted.
     pub count: f64,
-    /// Values that the model's numbers use up.
+    /// Degrees of freedom that the model's parameters use.
     pub used: f64,
 }
 
 impl Round {
-    /// What is left of each channel at the posterior's mean, which the curves have, and how many values the numbers use up in each: all of them as the
-    /// products say, distributed over the channels as some rows show.
+    /// Residual and used degrees of freedom of each channel at the posterior mean, which the curves have. The total of the latter comes from
+    /// the products; some rows show how it is divided among the channels.
     pub(super) fn channel_misfits(
         &self,
         data: &Measurements,
@@ -59,7 +59,7 @@ impl Round {
         found
     }
 
-    /// Distributes what the numbers use up over the channels, as they use it in rows spread over the run.
+    /// Divides the used degrees of freedom among the channels, as in rows spread over the run.
     fn distribute(&self, state: &State, covariances: &[f64], used: f64, channels: &mut [ChannelMisfit]) {
         let size = self.gram.size;
         let rows = state.readings.first().map_or(0, Vec::len);

@@ -1,25 +1,25 @@
-//! The choice itself: what each hypothesis predicts at every pose, given that poses chosen before are measured.
+//! The choice itself: the predictions of each hypothesis at every pose, conditional on the poses chosen before.
 //!
-//! Given a value with variance v and noise 1, covariances k with all others, and its innovation r, all is conditioned on it by
-//! `expected += k r/(1 + v)`, `covariance -= k kᵀ/(1 + v)`: the update of a Kalman filter, a value at a time. Where a is true and
-//! its expected values are what is measured, the differences r of what a expects and what b expects then sum to the
-//! noncentrality d² of b's lack of fit: d² = Σ r²/(1 + v).
+//! For a value with variance v and noise 1, covariances k with all others and innovation r, everything is conditioned on it by
+//! `expected += k r/(1 + v)`, `covariance -= k kᵀ/(1 + v)`: the update of a Kalman filter, a value at a time. If a is true and
+//! its expected values are measured, the differences r of the predictions of a and b give the noncentrality d² of b's lack of fit:
+//! d² = Σ r²/(1 + v).
 
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use denavit_trace::infer::hypotheses::{Hypotheses, Predicted};
 use std::ops::Range;
 
-/// Bound on the probability to take the wrong hypothesis from which on a further pose is better spent on the prediction: a
-/// cause must be found again on halves of the rows, whose evidence differs by as much as that of another run; with half of it this is 0.02.
+/// Bound on the probability of choosing the wrong hypothesis below which further poses are for the prediction: a cause must be found
+/// again on halves of the rows, whose evidence varies as much as that of another run; with half of the evidence this is 0.02.
 const DECIDED: f64 = 4e-4;
-/// A pose must lower the logarithm of the bound by this much, or it is better spent on the prediction: twenty of them would not
-/// change odds by a sixth.
+/// A pose that lowers the logarithm of the bound by less than this is for the prediction: twenty such poses would not change odds by
+/// a sixth.
 const LEAST_STEP: f64 = 2e-3;
 
 /// One hypothesis, conditioned on the poses chosen.
 #[derive(Debug, Clone)]
 struct Conditioned {
-    /// For each value that it is conditioned on its covariances with all values over √(1 + its variance).
+    /// For each value of the condition, its covariances with all values over √(1 + its variance).
     shares: Vec<Vec<f64>>,
     /// Covariances within each row, row by row of the block.
     blocks: Vec<Vec<f64>>,
@@ -29,7 +29,7 @@ struct Conditioned {
 #[derive(Debug, Clone)]
 struct State {
     of: Vec<Conditioned>,
-    /// For each pair (a, b): what a expects less what b expects, for all values.
+    /// For each pair (a, b): the prediction of a less that of b, for all values.
     apart: Vec<Vec<f64>>,
     /// For each pair the noncentrality so far.
     noncentrality: Vec<f64>,
@@ -37,20 +37,20 @@ struct State {
     toward: Vec<f64>,
 }
 
-/// What the expected odds of a pair are.
+/// The expected odds of a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Separation {
     /// Index of the hypothesis that is taken to be true.
     pub true_one: usize,
     /// Index of the other.
     pub other: usize,
-    /// By how much the logarithm of the odds for the true one is expected to rise.
+    /// The expected rise of the log odds for the true one.
     pub rise: f64,
 }
 
-/// What is offered: candidates and poses at which predictions are wanted, one list of rows.
+/// The candidates and the poses at which the prediction is evaluated, one list of rows.
 pub(super) struct Offered<'a> {
-    /// What each hypothesis predicts of all values.
+    /// The prediction of each hypothesis for all values.
     pub predicted: Vec<Predicted>,
     /// Logarithms of the hypotheses' probabilities.
     pub log_probabilities: Vec<f64>,
@@ -58,7 +58,7 @@ pub(super) struct Offered<'a> {
     pub noise: f64,
     /// The values of each row.
     pub rows: &'a [Range<usize>],
-    /// What a value is multiplied by to be a length in m; 0 for other quantities.
+    /// Factor from a value to a length in m; 0 for other quantities.
     pub metres: &'a [f64],
     /// The first this many rows are candidates.
     pub candidates: usize,
@@ -67,7 +67,7 @@ pub(super) struct Offered<'a> {
 }
 
 impl<'a> Offered<'a> {
-    /// The rows to come of some hypotheses.
+    /// The future rows of some hypotheses.
     pub fn of(hypotheses: &'a Hypotheses, candidates: usize, series: usize) -> Self {
         Self {
             predicted: (0..hypotheses.list.len()).map(|index| hypotheses.predicted(index)).collect(),
@@ -93,7 +93,7 @@ pub(super) struct Design<'a> {
     now: State,
     /// Rows chosen.
     pub chosen: Vec<usize>,
-    /// How many of them to tell hypotheses apart; the others for the prediction.
+    /// How many of them distinguish hypotheses; the others are for the prediction.
     pub for_separation: usize,
 }
 
@@ -123,7 +123,7 @@ impl<'a> Design<'a> {
         (0..count * count).filter(move |pair| pair / count != pair % count)
     }
 
-    /// Conditions all on the values of a row.
+    /// Conditions everything on the values of a row.
     fn add(&mut self, row: usize) {
         let (count, split) = (self.offered.predicted.len(), self.offered.split());
         let wanted = self.offered.metres.len() - split;
@@ -173,7 +173,7 @@ impl<'a> Design<'a> {
         DMatrix::from_fn(height, height, |i, k| block[i * height + k] + one(i, k)).cholesky()
     }
 
-    /// Logarithm of the bound on the probability to take the wrong one, once a row more is measured: Σ √(p_a p_b) exp(-d²/8)
+    /// Logarithm of the bound on the probability of a wrong choice after one more row: Σ √(p_a p_b) exp(-d²/8)
     /// over the pairs (the union of Bhattacharyya's bounds, Kailath 1967).
     fn log_bound(&self, row: Option<usize>) -> f64 {
         let count = self.offered.predicted.len();
@@ -197,7 +197,7 @@ impl<'a> Design<'a> {
         top + parts.iter().map(|part| (part - top).exp()).sum::<f64>().ln()
     }
 
-    /// By how much a candidate lowers the sum of the variances of what is to be predicted, under the first hypothesis, m².
+    /// How much a candidate lowers the sum of the variances of the prediction, under the first hypothesis, m².
     fn lowers(&self, row: usize) -> f64 {
         let values = self.offered.rows[row].clone();
         let split = self.offered.split();
@@ -215,9 +215,8 @@ impl<'a> Design<'a> {
         open.map(|row| (row, of(row))).filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Chooses this many of the candidates, one after the other: in turn one that tells the hypotheses apart and one that lowers the
-    /// variance of prediction, which has its own value and spreads the poses; once nothing more can be told apart, all are of the
-    /// second sort.
+    /// Chooses this many of the candidates, alternating between one that distinguishes the hypotheses and one that lowers the variance of
+    /// the prediction, which is useful in itself and spreads the poses; once nothing more can be distinguished, all are of the second sort.
     pub fn choose(&mut self, count: usize) {
         let mut places = Vec::new();
         let mut open = self.offered.predicted.len() > 1;
@@ -238,9 +237,9 @@ impl<'a> Design<'a> {
         self.for_separation = places.len();
     }
 
-    /// By how much the odds of each pair are expected to rise: the divergence of the predictions of all that was chosen,
+    /// The expected rise of each pair's log odds: the divergence of the predictions of all chosen rows,
     /// ½ (tr(S_b⁻¹ S_a) - n + dᵀ S_b⁻¹ d - log|S_a|/|S_b|) (Kullback 1959; Box, Hill 1967), S a hypothesis' covariance of
-    /// the values with their noise, d how far apart the two expect them.
+    /// the values with their noise, d the difference of the two predictions.
     pub fn separations(&self) -> Vec<Separation> {
         let values: Vec<usize> = self.chosen.iter().flat_map(|&row| self.offered.rows[row].clone()).collect();
         let size = values.len();
@@ -272,9 +271,9 @@ impl<'a> Design<'a> {
         self.pairs().map(of).collect()
     }
 
-    /// The error that is left unsure, now and once all that was chosen is measured: root mean square over the poses to be
-    /// predicted, m. The variance within each hypothesis, and how far what all expect together is from what the true one
-    /// does; each is weighed by its probability.
+    /// The uncertainty of the prediction, now and after the chosen poses are measured: root mean square over the poses to be predicted, m.
+    /// It has the variance within each hypothesis, and the distance of the averaged prediction from that of the true hypothesis; each
+    /// hypothesis is weighted by its probability.
     pub fn unsure(&self, separations: &[Separation]) -> [f64; 2] {
         let log = |index: usize| self.offered.log_probabilities[index];
         let now = |_: usize, b: usize| log(b);
@@ -285,7 +284,7 @@ impl<'a> Design<'a> {
         [self.error(&self.begun, &now), self.error(&self.now, &after)]
     }
 
-    /// `weights`: the logarithm of what hypothesis b weighs where a is true.
+    /// `weights`: logarithm of the weight of hypothesis b if a is true.
     fn error(&self, state: &State, weights: &dyn Fn(usize, usize) -> f64) -> f64 {
         let count = self.offered.predicted.len();
         let rows = self.offered.candidates..self.offered.rows.len();

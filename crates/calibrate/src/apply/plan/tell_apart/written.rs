@@ -8,9 +8,9 @@ use std::fmt::Write;
 
 /// Version of the JSON.
 const SCHEMA: &str = "denavit.tell_apart/1";
-/// Odds beyond this are not told further: no model is that true.
+/// Odds are printed up to this: no model is that true.
 const MOST_ODDS: f64 = 1e6;
-/// Two that hold this share of the mass, the mean of their logarithms, are asked about.
+/// Pairs are reported if the geometric mean of their probabilities is above this.
 const IN_QUESTION: f64 = 0.02;
 
 /// Causes and curves that a set holds, in words.
@@ -34,7 +34,7 @@ fn odds(log: f64) -> String {
     if log < 0.0 { format!("1:{}", of((-log).exp())) } else { format!("{}:1", of(log.exp())) }
 }
 
-/// To two digits that count.
+/// To two significant digits.
 fn round_to_two(number: f64) -> f64 {
     let unit = 10f64.powf(number.log10().floor() - 1.0);
     (number / unit).round() * unit
@@ -54,14 +54,14 @@ impl Prospect {
         self.possible.len() > 1
     }
 
-    /// Pairs in which both hold enough of the mass to be worth a word: what is left of them is asked about first.
+    /// Pairs in which both are probable enough to be reported.
     fn in_question(&self) -> impl Iterator<Item = &Pair> {
         let weight =
             |pair: &&Pair| pair.of.iter().map(|&index| self.possible[index].log_probability).sum::<f64>() / 2.0;
         self.pairs.iter().filter(move |pair| weight(pair) > IN_QUESTION.ln())
     }
 
-    /// A short paragraph for the report of a calibration; none where nothing is open.
+    /// A short paragraph for the report of a calibration; `None` if no cause is uncertain.
     pub fn in_short(&self) -> Option<String> {
         // The most probable, and the next that lacks a cause of it.
         let causes = |index: usize| &self.possible[index].causes;
@@ -88,24 +88,24 @@ impl Prospect {
             format!("{poses} more poses would not show {what}: {}.", instead(pair))
         };
         Some(format!(
-            "{expected_odds} The error that remains unsure is {:.3} mm now, {:.3} mm expected with them (root mean square over the \
-             joint range).",
+            "{expected_odds} The uncertainty of the prediction is {:.3} mm now, {:.3} mm expected with them (root mean square over \
+             the joint range).",
             now * 1e3,
             expected * 1e3
         ))
     }
 }
 
-/// What would tell a pair apart that poses do not.
+/// What would distinguish a pair that poses do not.
 fn instead(pair: &Pair) -> String {
     if pair.vary.is_empty() {
-        return "it takes another payload, another kind of measurement, or another place of the instrument or the target".into();
+        return "change the payload, the kind of measurement, or the place of the instrument or the target".into();
     }
     format!("vary {} as well", pair.vary.join(" and "))
 }
 
 impl TellApart {
-    /// What is open, what is expected of the poses.
+    /// The possible causes, and what the poses are expected to show.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         let prospect = &self.prospect;
@@ -124,13 +124,13 @@ impl TellApart {
                 let _ = writeln!(text, "  {}  {:<9}  {own}", index + 1, percent(possible.probability));
             }
         } else {
-            let _ = writeln!(text, "nothing is open: poses are chosen for the prediction alone");
+            let _ = writeln!(text, "no cause is uncertain: the poses are chosen for the prediction alone");
         }
         let _ = write!(text, "{} of {} candidates chosen", self.poses.len(), self.usable);
         if prospect.open() {
             let for_prediction = self.poses.len() - prospect.for_separation;
             let apart = prospect.for_separation;
-            let _ = write!(text, ": {apart} to tell these apart, {for_prediction} for the prediction");
+            let _ = write!(text, ": {apart} to distinguish these, {for_prediction} for the prediction");
         }
         text.push('\n');
         if prospect.open() {
@@ -143,13 +143,13 @@ impl TellApart {
             }
             for pair in prospect.in_question().filter(|pair| !pair.separated) {
                 let [a, b] = pair.of.map(|index| index + 1);
-                let _ = writeln!(text, "these poses do not tell {a} from {b}: {}", instead(pair));
+                let _ = writeln!(text, "these poses do not distinguish {a} and {b}: {}", instead(pair));
             }
         }
         let Unsure { now, expected } = prospect.unsure;
         let _ = writeln!(
             text,
-            "error that remains unsure: {:.3} mm now, {:.3} mm expected with these poses (root mean square over the {})",
+            "uncertainty of the prediction: {:.3} mm now, {:.3} mm expected with these poses (root mean square over the {})",
             now * 1e3,
             expected * 1e3,
             if self.at_given { "candidates" } else { "joint range" }
@@ -159,13 +159,13 @@ impl TellApart {
             let _ = if approach.by_order {
                 writeln!(
                     text,
-                    "measure in this order, from pose to pose without a detour: {joint} then comes from below first, from above \
-                     later, as was chosen; begin with {joint} below the first pose"
+                    "measure in this order, directly from pose to pose: {joint} then comes from below first and from above \
+                     later, as planned; begin with {joint} below the first pose"
                 )
             } else {
                 writeln!(
                     text,
-                    "come to each pose with {joint} rising where {joint}.approach is 1, falling where it is -1"
+                    "approach each pose with {joint} rising where {joint}.approach is 1, falling where it is -1"
                 )
             };
         }
