@@ -186,7 +186,7 @@ fn along(panels: &[Vec<Line>], columns: &[f64], lines: usize) -> Vec<f64> {
 mod tests {
     use crate::TraceOptions;
     use crate::projector::{Products, Projector, UNSEEN};
-    use crate::select::Tracer;
+    use crate::tracer::Tracer;
     use denavit_identify::effects::driver::Statics;
     use denavit_identify::effects::survey::with_run_order;
     use denavit_identify::parameters::NoEffects;

@@ -1,27 +1,13 @@
 //! The findings: each effect's numbers, and its partial residuals.
 
+use crate::Value;
 use crate::partial_residuals::PartialResiduals;
-use crate::search::Scored;
-use crate::select::{State, Tracer};
-use crate::{ScanCell, Value};
+use crate::tracer::{State, Tracer};
 use denavit_identify::effects::driver::{Driver, unit_of};
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::solve::Fit;
 
 impl Tracer<'_> {
-    pub(crate) fn scan(&self, scored: &[Scored]) -> Vec<ScanCell> {
-        let mut cells: Vec<ScanCell> = Vec::new();
-        for scored in scored {
-            let kind = scored.candidate.term.kind;
-            let place = scored.candidate.term.carrier.place(&self.statics.chain);
-            match cells.iter_mut().find(|cell| cell.kind == kind && cell.place == place) {
-                Some(cell) => cell.delta_bic = cell.delta_bic.max(scored.delta_bic),
-                None => cells.push(ScanCell { kind, place, delta_bic: scored.delta_bic }),
-            }
-        }
-        cells
-    }
-
     /// The partial residuals of each effect of a state.
     pub(crate) fn all_partial_residuals(&self, state: &State) -> Vec<PartialResiduals> {
         if state.chosen.is_empty() {

@@ -9,6 +9,7 @@
 
 pub mod infer;
 
+mod blocks;
 mod by_carrier;
 mod downdate;
 mod findings;
@@ -19,9 +20,10 @@ mod partial_residuals;
 mod projected;
 mod projector;
 mod refine;
-pub mod search;
-mod select;
+mod scorer;
+mod search;
 mod selection;
+mod tracer;
 pub mod unexplained;
 
 use crate::infer::curves::{CurveFit, CurveOptions};
@@ -182,7 +184,7 @@ pub fn scan(
     geometric: &Fit<NoEffects>,
     options: &TraceOptions,
 ) -> Vec<ScanCell> {
-    select::Tracer::new(statics, data, geometric, options).first_pass()
+    tracer::Tracer::new(statics, data, geometric, options).first_pass()
 }
 
 /// Searches for effects beyond a geometric fit.

@@ -19,7 +19,7 @@ use crate::linear::{Linear, linearise};
 use crate::loads::{of_joint, smooth};
 use crate::projected::{Projected, RowProducts, fit_with};
 use crate::projector::Projector;
-use crate::search::carriers_of;
+use crate::scorer::carriers_of;
 use denavit_identify::arm::Row;
 use denavit_identify::averaging::terms::largest_moment;
 use denavit_identify::effects::carrier::Carrier;

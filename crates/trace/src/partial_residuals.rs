@@ -1,8 +1,8 @@
 //! Partial residuals of an effect: the residual along its direction against its driver, before, with and after the effect.
 
 use crate::linear::Linear;
-use crate::search::CandidateScorer;
-use crate::select::{State, Tracer};
+use crate::scorer::CandidateScorer;
+use crate::tracer::{State, Tracer};
 use denavit_identify::effects::catalogue::Candidate;
 use denavit_identify::effects::driver::{Driver, Side};
 use denavit_identify::effects::model::Coupling;

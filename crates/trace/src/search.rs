@@ -1,272 +1,267 @@
-//! One pass that scores every candidate at one state of the model.
+//! The stepwise search that proposes candidates: add the best, refit, and list its close rivals. Which of them act is decided later, by
+//! the comparison of sets (`infer`).
 
 use crate::ScanCell;
-use crate::by_carrier::{ByCarrier, ByRow, Driven, alike};
-use crate::downdate::{Reduced, Whole};
-use crate::linear::Linear;
-use crate::projector::{Gain, Products, Projector, UNSEEN};
-use crate::select::{State, Tracer};
-use denavit_identify::arm::Row;
-use denavit_identify::effects::carrier::Carrier;
+use crate::downdate::Reduced;
+use crate::scorer::{CandidateScorer, Scored, leaders};
+use crate::tracer::{State, Tracer};
+use denavit_identify::averaging::LEAST_REJECTED;
 use denavit_identify::effects::catalogue::{Candidate, Kind};
-use denavit_identify::effects::driver::{Conditions, Posture, Statics};
-use denavit_identify::effects::model::{Coupling, Term};
-use denavit_linear::threads::{get_or_make, in_parallel};
+use denavit_identify::effects::model::EffectModel;
+use denavit_identify::parameters::NoEffects;
+use denavit_identify::solve::Fit;
+use denavit_linear::threads::in_parallel;
 use denavit_measurements::Measurements;
-use denavit_model::nalgebra::DMatrix;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use std::borrow::Cow;
-use std::sync::OnceLock;
+use denavit_measurements::kinds::ObservationKind;
 
-/// Candidates whose columns are projected together.
-const BATCH: usize = 16;
+/// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
+const LEAST_DELTA_BIC: f64 = 10.0;
+/// New scanned numbers that explain less than this (χ²) beyond the present ones count as the same.
+const SAME_DROP: f64 = 0.1;
+/// A larger residual per measured component, m, is no effect of a machine: only a joint whose reading includes another joint's angle
+/// leaves as much.
+const FAR_OFF: f64 = 0.02;
+/// An effect that explains less than this share of what the present one does is not a rival.
+const CONTENDS: f64 = 0.7;
+/// Number of rivals of each effect that are proposed.
+const NEAREST: usize = 3;
+/// How many of the best candidates of a pass have their scanned numbers refined.
+const REFINED: usize = 6;
+/// Number of further candidates that are proposed, the best that could still be added.
+const PROPOSED: usize = 24;
+/// Largest number of effects found through rejected rows.
+const MOST_LOCAL: usize = 3;
+/// Largest number of effects that the search adds: with their rivals and further candidates these are enough. The comparison of sets
+/// decides how many act.
+const STEPPED: usize = 8;
+/// Bound on the influence of a rejected row that is restored, in units of the noise.
+const BOUNDED: f64 = 4.0;
 
-/// A candidate's result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scored {
-    /// Which one.
-    pub candidate: Candidate,
-    /// What it explains.
-    pub gain: Gain,
-    /// Decrease of the Bayesian information criterion when it is added: positive favours it.
-    pub delta_bic: f64,
-    /// Degrees of freedom and sum of squares before, and the numbers that it uses.
-    free: f64,
-    rss: f64,
-    used: usize,
+/// What the search proposes for the comparison of sets.
+pub struct Proposals {
+    /// The terms.
+    pub(crate) candidates: Vec<Candidate>,
+    /// The model that the search ended with.
+    pub(crate) state: State,
+    /// The first pass.
+    pub(crate) scan: Vec<ScanCell>,
 }
 
-impl Scored {
-    /// The decrease of the criterion, less the handicap of its kind.
-    pub fn worth(&self) -> f64 {
-        self.delta_bic - handicap(self.candidate.term.kind)
-    }
-
-    /// Probability of such a gain by chance, this candidate alone.
-    pub fn p_value(&self) -> f64 {
-        p_value(self.free, self.rss, self.gain, self.used)
-    }
-}
-
-/// Scores candidates against the model linearised at a state.
-#[derive(Debug, Clone, Copy)]
-pub struct CandidateScorer<'a> {
-    /// Data.
-    pub data: &'a Measurements,
-    /// The chain and its masses.
-    pub statics: &'a Statics,
-    /// The model at its state.
-    pub linear: &'a Linear,
-}
-
-/// A model linearised at a state, with the products of each candidate there; computed once and reused.
-#[derive(Debug)]
-pub(crate) struct Linearised {
-    pub(crate) linear: Linear,
-    /// Loose geometry and all effects.
-    loose: OnceLock<Whole>,
-    /// With the candidate that each block is of.
-    products: OnceLock<(Products, Vec<usize>)>,
-}
-
-impl Linearised {
-    pub(crate) fn new(linear: Linear) -> Self {
-        Self { linear, loose: OnceLock::new(), products: OnceLock::new() }
-    }
-
-    /// Geometry far beyond its tolerances, and all effects.
-    pub(crate) fn loose(&self) -> &Whole {
-        let Linear { residual, effects, .. } = &self.linear;
-        get_or_make(&self.loose, || Whole::new(self.linear.loose(), effects, residual))
-    }
-}
-
-impl Tracer<'_> {
-    /// Every candidate against geometry alone.
-    pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
-        let state = self.refitted(Vec::new(), None);
-        self.scan(&self.scored(&state, &self.linearised(&state).loose().leaving_out(&[])))
-    }
-
-    /// Scores every candidate of the catalogue, in its order, against loose geometry and all or some of a state's effects.
-    pub(crate) fn scored(&self, state: &State, model: &Reduced<'_>) -> Vec<Scored> {
-        let at = self.linearised(state);
-        let scorer = self.scorer(&at.linear);
-        let all = || scorer.products(&at.loose().projector, &self.candidates, self.driven());
-        let (products, order) = get_or_make(&at.products, all);
-        scorer.all_judged(model, &self.candidates, model.gains(products, UNSEEN), order)
-    }
-}
-
-/// Driver values of each candidate, row by row; empty if they depend on the posture.
-pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candidate]) -> Vec<Vec<f64>> {
-    let nowhere = Posture::default();
-    let of = |candidate: &Candidate| {
-        let driver = &candidate.term.driver;
-        let mut values = Vec::with_capacity(if driver.needs_posture() { 0 } else { data.len() * driver.len(statics) });
-        for index in (0..data.len()).filter(|_| !driver.needs_posture()) {
-            driver.values_into(statics, &Conditions::of(Row::new(data, index)), &nowhere, &mut values);
-        }
-        values
-    };
-    in_parallel(candidates, of)
-}
-
-impl CandidateScorer<'_> {
-    /// The term's columns in units of the noise, appended to `out`; returns how many.
-    pub fn columns_into(&self, term: &Term, out: &mut Vec<f64>) -> usize {
-        let values = self.driver_values(term);
-        let Some(carrier) = self.linear.columns_of(term.carrier) else { return 0 };
-        let count = term.driver.len(self.statics);
-        let total = self.linear.residual.len();
-        let pairs: Vec<Vec<(usize, usize)>> = match term.coupling {
-            Coupling::Paired => vec![(0..carrier.len().min(count)).map(|k| (k, k)).collect()],
-            Coupling::Each => (0..carrier.len()).flat_map(|d| (0..count).map(move |v| vec![(d, v)])).collect(),
+impl<'a> Tracer<'a> {
+    /// The candidates for the comparison of sets: a stepwise search, from geometry alone. `some`: the rows that it uses and the fit there, if
+    /// they are not all. These rows show which effects there are, but their scanned numbers only roughly.
+    pub(crate) fn proposals(&self, some: Option<(&Measurements, &Fit<NoEffects>)>) -> Proposals {
+        let Proposals { mut candidates, state: found, scan } = match some {
+            Some((data, geometric)) => self.on(data, geometric).searched(),
+            None => self.searched(),
         };
-        for pair in &pairs {
-            let start = out.len();
-            out.resize(start + total, 0.0);
-            for &(direction, value) in pair {
-                let carrier = self.linear.carriers.column(carrier.start + direction);
-                for ((cell, row), unit) in out[start..].iter_mut().zip(&self.linear.rows).zip(carrier.iter()) {
-                    *cell += unit * values[row * count + value];
-                }
-            }
+        let mut state = found.clone();
+        if some.is_some() {
+            let fitted = self.refitted(found.chosen.clone(), Some(&found));
+            state = self.moved(&fitted).unwrap_or(fitted);
         }
-        pairs.len()
-    }
-
-    /// The term's columns as a matrix.
-    pub fn columns(&self, term: &Term) -> DMatrix<f64> {
-        let mut cells = Vec::new();
-        let count = self.columns_into(term, &mut cells);
-        DMatrix::from_vec(self.linear.residual.len(), count, cells)
-    }
-
-    /// Values of the term's driver, row by row.
-    pub fn driver_values(&self, term: &Term) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.data.len() * term.driver.len(self.statics));
-        for (index, posture) in self.linear.postures(self.data).iter().enumerate() {
-            let row = Row::new(self.data, index);
-            let conditions = Conditions::of(row);
-            term.driver.values_into(self.statics, &conditions, posture, &mut values);
+        while rejected(&state.fit) > 0
+            && let Some(next) = self.moved(&state).filter(|next| rejected(&next.fit) < rejected(&state.fit))
+        {
+            state = next;
         }
-        values
+        for (found, moved) in found.chosen.iter().zip(&state.chosen) {
+            let same = candidates.iter_mut().filter(|candidate| candidate.term == found.term);
+            same.for_each(|candidate| *candidate = moved.clone());
+        }
+        Proposals { candidates, state, scan }
     }
 
-    /// Every candidate with its gain, where these are in another order.
-    fn all_judged(
-        &self,
-        model: &Reduced<'_>,
-        candidates: &[Candidate],
-        gains: Vec<Gain>,
-        order: &[usize],
-    ) -> Vec<Scored> {
-        let mut in_order = vec![Gain { drop: 0.0, rank: 0 }; candidates.len()];
-        order.iter().zip(gains).for_each(|(&index, gain)| in_order[index] = gain);
-        candidates.iter().zip(in_order).map(|(candidate, gain)| self.judged(model, candidate, gain)).collect()
+    /// A state with scanned numbers from all rows, rejected ones included; `None` if they do not change. A step on the wrong side of some rows
+    /// makes outliers of them, and the other rows do not show that.
+    fn moved(&self, state: &State) -> Option<State> {
+        let moved = self.rescanned(self.opened(state));
+        (!same_terms(&moved.chosen, &state.chosen)).then(|| self.refitted(moved.chosen.clone(), Some(&moved)))
     }
 
-    /// Products of the candidates' columns with a model, and the candidate of each block; `driven`: driver values row by row, as far as they
-    /// are known.
-    fn products(&self, model: &Projector, candidates: &[Candidate], driven: &[Vec<f64>]) -> (Products, Vec<usize>) {
-        let alike = alike(candidates.iter().map(|candidate| candidate.term.carrier));
-        let by_row = ByRow::new(self.linear, model);
-        let known = |index: usize| match driven.get(index).map_or(&[][..], Vec::as_slice) {
-            [] => Cow::Owned(self.driver_values(&candidates[index].term)),
-            values => Cow::Borrowed(values),
-        };
-        let of_batch = |at: &ByCarrier<'_>, batch: &[usize]| {
-            let values: Vec<Cow<'_, [f64]>> = batch.iter().map(|&index| known(index)).collect();
-            let terms = batch.iter().zip(&values).map(|(&index, values)| Driven {
-                coupling: candidates[index].term.coupling,
-                per_row: candidates[index].term.driver.len(self.statics),
-                values,
-            });
-            at.products(&terms.collect::<Vec<_>>())
-        };
-        let products = in_parallel(&alike, |(carrier, own)| {
-            let at = by_row.with(*carrier);
-            Products::joined(own.chunks(BATCH).map(|batch| of_batch(&at, batch)))
+    /// A stepwise search, from geometry alone.
+    fn searched(&self) -> Proposals {
+        let bare = self.refitted(Vec::new(), None);
+        let mut state = bare.clone();
+        for _ in 0..MOST_LOCAL {
+            let Some(next) = self.local(&state) else { break };
+            state = next;
+        }
+        let mut scan = Vec::new();
+        for _ in 0..self.options.max_effects.map_or(STEPPED, |most| most.min(STEPPED)) {
+            let Some(next) = self.asked_for(&state, &mut scan) else { break };
+            state = self.rescanned(self.added(&state, &next));
+        }
+        for index in 0..state.chosen.len() {
+            state = self.swapped(&state, index).unwrap_or(state);
+        }
+        let mut candidates = Vec::new();
+        self.propose(&state, &mut candidates);
+        if !state.chosen.is_empty() {
+            self.propose(&bare, &mut candidates);
+        }
+        Proposals { candidates, state, scan }
+    }
+
+    /// The candidate that the data support most at a state, if any.
+    fn asked_for(&self, state: &State, scan: &mut Vec<ScanCell>) -> Option<Candidate> {
+        let linear = self.linear(state);
+        let scorer = self.scorer(linear);
+        let model = self.loosely_without(state, &[]);
+        let mut scored = self.scored(state, &model);
+        if scan.is_empty() {
+            *scan = self.scan(&scored);
+        }
+        if self.far_off(state) {
+            scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
+        }
+        self.best(&scorer, &model, &scored).map(|best| best.candidate)
+    }
+
+    /// Whether the residual is so large that readings must mean something else than angles between links: every cause would then be found.
+    fn far_off(&self, state: &State) -> bool {
+        let in_metres = self.data.scene.series.iter().all(|series| {
+            [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].contains(&series.kind)
         });
-        (Products::joined(products), alike.into_iter().flat_map(|(_, own)| own).collect())
+        in_metres && state.fit.noise.first() > FAR_OFF
     }
 
-    /// What a term explains beyond a model or a part of it; the carrier's products are with the whole model.
-    pub(crate) fn gain_at(&self, carrier: &ByCarrier<'_>, model: &Reduced<'_>, term: &Term) -> Gain {
-        let values = self.driver_values(term);
-        let driven = Driven { coupling: term.coupling, per_row: term.driver.len(self.statics), values: &values };
-        model.gains(&carrier.products(&[driven]), UNSEEN)[0]
+    /// Adds the terms of a state, the rivals of each, and the best that could still be added.
+    fn propose(&self, state: &State, proposed: &mut Vec<Candidate>) {
+        let mut add = |candidate: Candidate| {
+            if !proposed.iter().any(|known| known.term == candidate.term) {
+                proposed.push(candidate);
+            }
+        };
+        state.chosen.iter().cloned().for_each(&mut add);
+        (0..state.chosen.len()).flat_map(|index| self.contenders(state, index)).for_each(&mut add);
+        let linear = self.linear(state);
+        let model = self.loosely_without(state, &[]);
+        let scorer = self.scorer(linear);
+        let mut scored = self.scored(state, &model);
+        scored.retain(|scored| scored.delta_bic > 0.0);
+        let best = leaders(&scored, PROPOSED, None);
+        let (first, others) = best.split_at(best.len().min(REFINED));
+        let refined = |candidate: &&Candidate| scorer.refined(&model, &self.survey, candidate).candidate;
+        in_parallel(first, refined).into_iter().chain(others.iter().copied().cloned()).for_each(&mut add);
     }
 
-    /// What an effect of the model explains when it is added back.
-    pub fn own(&self, model: &Reduced<'_>, candidate: &Candidate) -> Scored {
-        self.judged(model, candidate, model.gain_of(&self.columns(&candidate.term)))
-    }
-
-    /// Scores a gain: information criterion and F-test.
-    pub fn judged(&self, model: &Reduced<'_>, candidate: &Candidate, gain: Gain) -> Scored {
-        let used = gain.rank + candidate.scanned;
-        let values = self.linear.values() as f64;
-        let (free, rss) = ((self.linear.residual.len() - model.rank()) as f64, model.rss());
-        Scored { candidate: candidate.clone(), gain, delta_bic: delta_bic(values, rss, gain, used), free, rss, used }
-    }
-}
-
-/// Handicap of a kind against a similar one: odds of twelve to one for the more frequent cause.
-///
-/// A joint is softer than a link or a bearing; a slide's scale is wrong more often than an instrument's; a target is moved on the tip more
-/// often than a range is wrong.
-pub(crate) fn handicap(kind: Kind) -> f64 {
-    match kind {
-        Kind::LinkCompliance | Kind::InstrumentScale | Kind::TargetIncidence => 5.0,
-        _ => 0.0,
-    }
-}
-
-/// Decrease of the information criterion: m ln(RSS before/after) - k ln m.
-fn delta_bic(values: f64, rss: f64, gain: Gain, used: usize) -> f64 {
-    if gain.rank == 0 {
-        return f64::NEG_INFINITY;
-    }
-    let after = (rss - gain.drop).max(f64::MIN_POSITIVE);
-    values * (rss / after).ln() - used as f64 * values.ln()
-}
-
-/// F-test of a gain with `used` parameters and `free` degrees of freedom before.
-pub fn p_value(free: f64, rss: f64, gain: Gain, used: usize) -> f64 {
-    let left = free - used as f64;
-    if gain.rank == 0 || left < 1.0 {
-        return 1.0;
-    }
-    let after = (rss - gain.drop).max(f64::MIN_POSITIVE);
-    let f = (gain.drop / used as f64) / (after / left);
-    FisherSnedecor::new(used as f64, left).map_or(1.0, |distribution| distribution.sf(f))
-}
-
-/// The best candidates, up to a number: the best one of each kind at each place, except the kind and place of `but`.
-pub(crate) fn leaders<'s>(scored: &'s [Scored], most: usize, but: Option<&Candidate>) -> Vec<&'s Candidate> {
-    let key = |candidate: &Candidate| (candidate.term.kind, candidate.term.carrier);
-    let mut order: Vec<&Scored> = scored.iter().filter(|scored| scored.gain.rank > 0).collect();
-    order.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-    let mut seen: Vec<(Kind, Carrier)> = but.map(key).into_iter().collect();
-    let mut leaders: Vec<&Candidate> = Vec::new();
-    for Scored { candidate, .. } in order {
-        if leaders.len() < most && !seen.contains(&key(candidate)) {
-            seen.push(key(candidate));
-            leaders.push(candidate);
+    /// An effect that explains rows which the robust fit rejected as outliers.
+    ///
+    /// Rejected rows are restored with weights that bound their influence; an effect found with them counts only if the
+    /// robust fit then keeps at least half of them.
+    fn local(&self, state: &State) -> Option<State> {
+        let before = rejected(&state.fit);
+        if before < LEAST_REJECTED {
+            return None;
         }
+        let open = self.opened(state);
+        let linear = self.linear(&open);
+        let model = self.loosely_without(&open, &[]);
+        let scorer = self.scorer(linear);
+        let scored = self.scored(&open, &model);
+        let best = self.best(&scorer, &model, &scored)?;
+        let next = self.rescanned(self.added(state, &best.candidate));
+        // Rows that were rejected at the first scanned place may be restored.
+        let next = self.refitted(next.chosen.clone(), Some(&next));
+        (rejected(&next.fit) * 2 <= before).then_some(next)
     }
-    leaders
+
+    /// A state with rejected rows restored, their influence bounded.
+    fn opened(&self, state: &State) -> State {
+        let mut open = State::new(state.chosen.clone(), state.fit.clone());
+        for (at, (weight, square)) in open.fit.weights.iter_mut().zip(&state.fit.squares).enumerate() {
+            let size = state.fit.noise.chi_squared(self.data.series_of(at), *square).sqrt();
+            *weight = (BOUNDED / size.max(BOUNDED)).max(f64::MIN_POSITIVE);
+        }
+        open
+    }
+
+    /// The best candidate of a pass, after refinement of the leaders' scanned numbers.
+    fn best(&self, scorer: &CandidateScorer<'_>, model: &Reduced<'_>, scored: &[Scored]) -> Option<Scored> {
+        let leaders = leaders(scored, REFINED, None);
+        let leaders = in_parallel(&leaders, |leader| scorer.refined(model, &self.survey, leader));
+        let passing = leaders.into_iter().filter(|scored| self.passes(scored));
+        passing.max_by(|a, b| a.worth().total_cmp(&b.worth()))
+    }
+
+    /// Beyond chance, with the whole search counted.
+    fn passes(&self, scored: &Scored) -> bool {
+        scored.delta_bic > LEAST_DELTA_BIC && self.corrected(scored.p_value()) < self.options.false_claims
+    }
+
+    /// A probability with the whole search counted.
+    fn corrected(&self, p_value: f64) -> f64 {
+        (p_value * self.candidates.len() as f64).min(1.0)
+    }
+
+    /// The state with one more term.
+    fn added(&self, state: &State, candidate: &Candidate) -> State {
+        let chosen = state.chosen.iter().chain([candidate]).cloned().collect();
+        self.refitted(chosen, Some(state))
+    }
+
+    /// Refines every scanned number, with everything else in the model.
+    fn rescanned(&self, state: State) -> State {
+        if state.chosen.iter().all(|candidate| candidate.scanned == 0) {
+            return state;
+        }
+        let linear = self.linear(&state);
+        let scorer = self.scorer(linear);
+        let moved = |&index: &usize| {
+            let candidate = &state.chosen[index];
+            let model = self.loosely_without(&state, &[index]);
+            let refined = scorer.refined(&model, &self.survey, candidate);
+            let better = refined.candidate.scanned != candidate.scanned
+                || refined.gain.drop > scorer.own(&model, candidate).gain.drop + SAME_DROP;
+            better.then_some((index, refined.candidate))
+        };
+        let scanned: Vec<usize> = (0..state.chosen.len()).filter(|&index| state.chosen[index].scanned > 0).collect();
+        let moved: Vec<(usize, Candidate)> = in_parallel(&scanned, moved).into_iter().flatten().collect();
+        if moved.is_empty() {
+            return state;
+        }
+        let mut chosen = state.chosen.clone();
+        for (index, candidate) in moved {
+            chosen[index] = candidate;
+        }
+        self.followed(chosen, &state)
+    }
+
+    /// Refits after a small change, starting from the state and its known outliers.
+    fn followed(&self, chosen: Vec<Candidate>, state: &State) -> State {
+        self.fitted(chosen, &state.fit.arm, &state.fit.weights, false)
+    }
+
+    /// The state with an effect replaced by a better one: an effect that was added first may have absorbed others that were added later.
+    fn swapped(&self, state: &State, index: usize) -> Option<State> {
+        let (scorer, own) = (self.scorer(self.linear(state)), state.chosen.get(index)?);
+        let model = self.loosely_without(state, &[index]);
+        let best = self.best(&scorer, &model, &self.scored(state, &model))?;
+        (best.candidate.term != own.term && best.worth() > scorer.own(&model, own).worth()).then(|| {
+            let mut chosen = state.chosen.clone();
+            chosen[index] = best.candidate;
+            self.rescanned(self.followed(chosen, state))
+        })
+    }
+
+    /// Candidates that explain nearly as much as an effect of a state, in place of it.
+    fn contenders(&self, state: &State, index: usize) -> Vec<Candidate> {
+        let scorer = self.scorer(self.linear(state));
+        let model = self.loosely_without(state, &[index]);
+        let own = scorer.own(&model, &state.chosen[index]);
+        let mut scored = self.scored(state, &model);
+        scored.retain(|other| other.gain.drop > CONTENDS * own.gain.drop);
+        let near = leaders(&scored, NEAREST, Some(&state.chosen[index]));
+        in_parallel(&near, |other| scorer.refined(&model, &self.survey, other).candidate)
+    }
 }
 
-/// The carriers that these candidates use, each once.
-pub fn carriers_of<'a>(terms: impl Iterator<Item = &'a Term>) -> Vec<Carrier> {
-    let mut carriers: Vec<Carrier> = Vec::new();
-    for term in terms {
-        if !carriers.contains(&term.carrier) {
-            carriers.push(term.carrier);
-        }
-    }
-    carriers
+/// How many rows a fit rejects as outliers.
+fn rejected(fit: &Fit<EffectModel>) -> usize {
+    fit.weights.iter().filter(|weight| **weight == 0.0).count()
+}
+
+pub(crate) fn same_terms(a: &[Candidate], b: &[Candidate]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.term == b.term)
 }

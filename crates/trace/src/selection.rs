@@ -1,10 +1,12 @@
 //! From the proposals of the search to the claimed effects: curves, the comparison of sets, and the model that is kept.
 
+use crate::blocks::Block;
 use crate::findings::values;
 use crate::infer::curves::{CurveFit, fit_curves, fit_curves_near};
 use crate::infer::named::{Judged, Judgement, Question, judge};
-use crate::select::{Proposals, State, Tracer, same_terms};
-use crate::unexplained::{self, Block, UnexplainedStructure};
+use crate::search::{Proposals, same_terms};
+use crate::tracer::{State, Tracer};
+use crate::unexplained::{self, UnexplainedStructure};
 use crate::{Finding, PartialResiduals, Trace, TraceOptions};
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{Candidate, Kind};

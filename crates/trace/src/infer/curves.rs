@@ -3,6 +3,7 @@
 
 mod channel_misfit;
 
+use crate::blocks::Block;
 use crate::infer::contest::{Contest, Member, Unnamed};
 use crate::infer::deflection::{self, Expected};
 use crate::infer::evidence::{Model, Posterior, Slope};
@@ -12,8 +13,7 @@ use crate::infer::maximum::{self, NEGLIGIBLE};
 use crate::infer::model::{Hyperparameters, Kernel};
 use crate::infer::replicates;
 use crate::linear::{Linear, linearise};
-use crate::search::CandidateScorer;
-use crate::unexplained::Block;
+use crate::scorer::CandidateScorer;
 use denavit_identify::arm::Arm;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::Candidate;

@@ -1,5 +1,6 @@
 //! Which causes are named: those with nearly all the posterior mass that half-sample refits also select.
 
+use crate::blocks::Block;
 use crate::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, rivals_of_best};
 use crate::infer::curves::{Round, State};
 use crate::infer::gram::Gram;
@@ -8,8 +9,7 @@ use crate::infer::lines::beside_a_scale;
 use crate::infer::members::members;
 use crate::infer::model::Kernel;
 use crate::infer::predictor::Predictor;
-use crate::search::handicap;
-use crate::unexplained::Block;
+use crate::scorer::handicap;
 use denavit_identify::arm::Arm;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{Candidate, KINDS, Kind};
