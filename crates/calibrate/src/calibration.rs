@@ -48,6 +48,7 @@ use denavit_identify::redundancy::{Redundancy, different};
 use denavit_identify::residual_statistics::{Residual, TestError, bound_later};
 use denavit_identify::solve::{Fit, Unfinished, outside};
 use denavit_identify::{Identification, IdentifyOptions, identify};
+use denavit_linear::threads::join;
 use denavit_measurements::Measurements;
 use denavit_model::Chain;
 use denavit_trace::infer::curves::{CurveFit, CurveOptions, fit_curves};
@@ -362,25 +363,26 @@ pub fn calibrate_and_tell(
     }
     begin(Progress::Judgement)?;
     let beyond = beyond(carried.as_ref(), curves.as_ref(), found.as_ref());
-    let averaging = if options.average {
-        let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.converged_or_exact()));
-        averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
-    } else {
-        Err(NotAveraged::NotAsked)
-    };
     let of_geometry = geometric_stages(&identification, carried.is_some());
     let placed_anew = test.as_ref().and_then(|test| PlacedAnew::find(&identification.geometric, &train, test));
     let mut stages = Stages::new(&train, test.as_ref(), placed_anew.as_ref());
     stages.add_all(&of_geometry, &beyond)?;
     let last = stages.last();
+    let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
+    let geometry = of_geometry[last.min(of_geometry.len() - 1)];
+    let averaging = || {
+        let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.converged_or_exact()));
+        averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
+    };
+    let averaging = || if options.average { averaging() } else { Err(NotAveraged::NotAsked) };
+    let noise = || options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten();
+    let (averaging, noise) = join(averaging, noise);
     if let Ok(averaging) = &averaging {
         stages.add_averaged(&averaging.fit)?;
     }
     let recommended = stages.adopt();
     let Stages { done: stages, mut held_out, .. } = stages;
     let held_out = held_out.swap_remove(recommended);
-    let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
-    let geometry = of_geometry[last.min(of_geometry.len() - 1)];
     let (named, weights, information, (parameters, posterior, differs)) = match reached {
         Some(Beyond { adopted, fit, deflections, modes, .. }) => {
             let (parameters, posterior, differs) = identified(fit);
@@ -431,7 +433,7 @@ pub fn calibrate_and_tell(
         },
         redundancy,
         repeats,
-        noise: options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten(),
+        noise,
         identifiability: Counts { expected: identifiable.expected, rank: identifiable.rank },
         unidentifiable: unidentifiable(&identifiable, &parameters),
         stages,

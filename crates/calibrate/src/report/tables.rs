@@ -83,7 +83,7 @@ fn one_table(stages: &[Stage], title: String, of: [Option<&Part>; 2]) -> String 
 }
 
 /// A stage's name if it is short; else with the number of its effects, which are listed below the table.
-fn short_name(name: &str) -> String {
+pub(super) fn short_name(name: &str) -> String {
     const WIDEST: usize = 30;
     let parts: Vec<&str> = name.split(" + ").collect();
     let effects = parts.iter().filter(|part| part.contains('(')).count();

@@ -1,5 +1,6 @@
 //! How far a calibration can be trusted, as text: redundancy, suspicious rows, differences from the drawing, doubtful stages.
 
+use super::tables::short_name;
 use crate::calibration::Calibration;
 use crate::calibration::contract::{CalibrationReport, FileUse};
 use denavit_identify::carried::{CarriedPart, PartState};
@@ -201,10 +202,11 @@ pub(super) fn doubtful_stages(report: &CalibrationReport) -> String {
                 text,
                 "\"{}\" predicts the held-out rows worse than \"{}\", by more than chance; it remains the result, because held-out rows test \
                  stages but do not choose one: fit some rows like them, too",
-                stage.name, before.name
+                short_name(&stage.name),
+                short_name(&before.name)
             );
         } else if !stage.converged {
-            let _ = writeln!(text, "\"{}\" did not converge: do not use its errors", stage.name);
+            let _ = writeln!(text, "\"{}\" did not converge: do not use its errors", short_name(&stage.name));
         }
     }
     text
