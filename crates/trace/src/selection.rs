@@ -3,7 +3,7 @@
 use crate::blocks::Block;
 use crate::findings::values;
 use crate::infer::curves::{CurveFit, fit_curves, fit_curves_near};
-use crate::infer::named::{Judged, Judgement, Question, judge};
+use crate::infer::named::{Judged, Judgement, OtherRows, Question, judge};
 use crate::search::{Proposals, same_terms};
 use crate::tracer::{State, Tracer};
 use crate::unexplained::{self, UnexplainedStructure};
@@ -29,6 +29,8 @@ const MOST_VALUES: usize = 2400;
 /// causes, and more of them at once.
 const SEARCHED_PER_ROW: usize = 2;
 const FEWEST_SEARCHED: usize = 800;
+/// If the run has more rows, up to this many further sets of rows must support a cause, too.
+const MOST_OTHERS: usize = 4;
 /// Largest number of candidates in the comparison.
 const MOST_JUDGED: usize = 100;
 /// A cause is not named if it explains less than this share of the remaining unexplained structure.
@@ -45,9 +47,14 @@ pub(crate) fn trace(
     options: &TraceOptions,
 ) -> Trace {
     let survey = Survey::of(statics, data, options.gear_ratios.clone());
-    let rows = &data.evenly_spread(rows_of(data, MOST_VALUES).min(MOST_ROWS));
-    let (part, fitted_part) = &(data.subset(rows), on_rows(geometric, data, rows));
-    let tracer = &Tracer::new(statics, part, fitted_part, options);
+    let thinnings = thinnings(data);
+    let rows = &thinnings[0];
+    let thin: Vec<(Measurements, Fit<NoEffects>)> =
+        thinnings.iter().map(|rows| (data.subset(rows), on_rows(geometric, data, rows))).collect();
+    let part = &thin[0].0;
+    let tracers: Vec<Tracer<'_>> =
+        thin.iter().map(|(part, geometric)| Tracer::new(statics, part, geometric, options)).collect();
+    let tracer = &tracers[0];
     let all_curves = || {
         fit_curves(
             &survey,
@@ -87,6 +94,7 @@ pub(crate) fn trace(
         let structures = in_parallel(&near, |near| remains(tracer, &near.fit).blocks);
         let structures: Vec<Vec<Block>> = structures.into_iter().filter(|blocks| !blocks.is_empty()).collect();
         let state = near.get(1).unwrap_or(&near[0]);
+        let others = other_rows(&tracers, &structures);
         let all: Vec<&[Curve]> = near.iter().map(|near| near.fit.effects.curves.as_slice()).collect();
         let question = Question {
             candidates: &proposed,
@@ -94,6 +102,7 @@ pub(crate) fn trace(
             start: &found.state.chosen,
             curves: &all,
             structures: &structures,
+            others: &others,
         };
         judge(&tracer.survey, part, &state.fit, &geometric.arm, &question)
     };
@@ -124,7 +133,8 @@ pub(crate) fn trace(
         || remains(tracer, &on_rows(&last.fit, data, rows)),
         || tracer.all_partial_residuals(&tracer.refitted(kept, None)),
     );
-    let findings = findings(judged, partial_residuals, &unexplained, &last.fit);
+    let spurious = spurious(&judged, &unexplained, (&tracers, &thinnings), data, &last.fit);
+    let findings = findings(judged, partial_residuals, &spurious, &last.fit);
     Trace {
         fit: last.fit,
         curve_gains: last.gains,
@@ -138,6 +148,34 @@ pub(crate) fn trace(
         unexplained,
         open: open.map(Arc::new),
     }
+}
+
+/// The other sets of rows, with the structures' columns there.
+fn other_rows<'a>(tracers: &'a [Tracer<'a>], structures: &[Vec<Block>]) -> Vec<OtherRows<'a>> {
+    let of = |tracer: &'a Tracer<'a>| OtherRows {
+        survey: &tracer.survey,
+        data: tracer.data,
+        structures: unexplained::of_these_rows(tracer, structures),
+    };
+    tracers.iter().skip(1).map(of).collect()
+}
+
+/// Which causes are smaller than the unexplained structure of a fit, in the mean over the rows of the comparison (`unexplained`) and the
+/// other rows.
+fn spurious(
+    judged: &[Judged],
+    unexplained: &UnexplainedStructure,
+    (tracers, thinnings): (&[Tracer<'_>], &[Vec<usize>]),
+    data: &Measurements,
+    fit: &Fit<EffectModel>,
+) -> Vec<bool> {
+    if judged.is_empty() || !unexplained.structured {
+        return vec![false; judged.len()];
+    }
+    let others: Vec<(&Tracer<'_>, &Vec<usize>)> = tracers.iter().zip(thinnings).skip(1).collect();
+    let drops = in_parallel(&others, |(tracer, rows)| remains(tracer, &on_rows(fit, data, rows)).drop);
+    let drop = (unexplained.drop + drops.iter().sum::<f64>()) / tracers.len() as f64;
+    judged.iter().map(|one| outweighed(one, drop)).collect()
 }
 
 /// The candidates of the comparison: first those that an engineer would try, then those that the search found.
@@ -164,7 +202,7 @@ fn outweighed(one: &Judged, drop: f64) -> bool {
 fn findings(
     judged: Vec<Judged>,
     partial_residuals: Vec<PartialResiduals>,
-    unexplained: &UnexplainedStructure,
+    spurious: &[bool],
     fit: &Fit<EffectModel>,
 ) -> Vec<Finding> {
     let mut first = fit.layout.effects.start;
@@ -174,7 +212,7 @@ fn findings(
             term: one.candidate.term.clone(),
             place: one.candidate.term.carrier.place(&fit.effects.statics.chain),
             values: values(fit, index, first),
-            named: one.named() && !(unexplained.structured && outweighed(&one, unexplained.drop)),
+            named: one.named() && !spurious[index],
             probability: one.probability,
             found_again: one.found_again,
             p_value: one.log_absent.exp(),
@@ -196,6 +234,15 @@ fn search(tracer: &Tracer<'_>, rows: usize) -> Proposals {
     }
     let some = all.evenly_spread(searched);
     tracer.proposals(Some((&all.subset(&some), &on_rows(tracer.geometric, all, &some))))
+}
+
+/// Rows spread evenly over the run; if it has more than are compared, further sets of rows between them.
+fn thinnings(data: &Measurements) -> Vec<Vec<usize>> {
+    let rows = data.len();
+    let most = rows_of(data, MOST_VALUES).min(MOST_ROWS);
+    let count = (rows / most.max(1)).clamp(1, 1 + MOST_OTHERS);
+    let all = data.evenly_spread(most * count);
+    (0..count).map(|first| all.iter().copied().skip(first).step_by(count).collect()).collect()
 }
 
 /// How many rows have this number of values, or all.

@@ -110,6 +110,18 @@ pub fn examine(tracer: &Tracer<'_>, scorer: &CandidateScorer<'_>) -> Unexplained
     unexplained
 }
 
+/// These structures in the tracer's rows.
+pub(crate) fn of_these_rows(tracer: &Tracer<'_>, structures: &[Vec<Block>]) -> Vec<Vec<Block>> {
+    let same = |wanted: &Block| {
+        tracer
+            .blocks()
+            .iter()
+            .find(|block| block.carrier == wanted.carrier && block.variables == wanted.variables)
+            .cloned()
+    };
+    structures.iter().map(|structure| structure.iter().filter_map(same).collect()).collect()
+}
+
 /// Probability and gain of each open block.
 fn gains(linear: &Linear, projector: &Projector, blocks: &[Block], open: &[usize]) -> Vec<(f64, Gain, usize)> {
     let free = (linear.residual.len() - projector.rank()) as f64;

@@ -1,7 +1,7 @@
 //! Which causes are named: those with nearly all the posterior mass that half-sample refits also select.
 
 use crate::blocks::Block;
-use crate::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, rivals_of_best};
+use crate::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, best_of, rivals_of_best};
 use crate::infer::curves::{Round, State};
 use crate::infer::gram::Gram;
 use crate::infer::hypotheses::{Cause, Open, OpenSet};
@@ -19,8 +19,9 @@ use denavit_identify::effects::history::History;
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::recorded::told_by_order;
 use denavit_identify::effects::survey::Survey;
-use denavit_identify::solve::Fit;
-use denavit_linear::threads::each_alone_until;
+use denavit_identify::residual::ResidualModel;
+use denavit_identify::solve::{Fit, gross};
+use denavit_linear::threads::{each_alone, each_alone_until};
 use denavit_measurements::Measurements;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -78,9 +79,9 @@ pub struct Judged {
     pub probability: f64,
     /// Logarithm of the probability that it does not.
     pub log_absent: f64,
-    /// Share of the half-sample refits that select it (`found_again`).
+    /// Share of the half-sample refits that select it (`found_again`), limited to the share of other rows' sets that select it, if any.
     pub found_again: f64,
-    /// Its increase of the log marginal likelihood, prior odds included.
+    /// Its increase of the log marginal likelihood, prior odds included; the mean over these and the other rows.
     pub gain: f64,
     /// Its rivals.
     pub rivals: Vec<Alternative>,
@@ -122,6 +123,16 @@ pub(crate) struct Question<'a> {
     pub curves: &'a [&'a [Curve]],
     /// Unexplained structures; each has columns.
     pub structures: &'a [Vec<Block>],
+    /// Other rows of the run, which must support a cause, too.
+    pub others: &'a [OtherRows<'a>],
+}
+
+/// Further rows of the same run, as many as those of the comparison and different from them.
+pub(crate) struct OtherRows<'a> {
+    pub survey: &'a Survey,
+    pub data: &'a Measurements,
+    /// The structures' columns in these rows.
+    pub structures: Vec<Vec<Block>>,
 }
 
 /// The members, curves and structures of a contest, on some rows.
@@ -132,10 +143,17 @@ struct Entered {
 }
 
 impl Entered {
-    fn new(data: &Measurements, state: &State, reference: &Arm, question: &Question<'_>) -> Self {
-        let (candidates, structures) = (question.candidates, question.structures);
+    fn new(
+        data: &Measurements,
+        state: &State,
+        reference: &Arm,
+        question: &Question<'_>,
+        structures: &[Vec<Block>],
+        parts: usize,
+    ) -> Self {
+        let candidates = question.candidates;
         let blocks: Vec<Block> = structures.iter().flatten().cloned().collect();
-        let round = Round::beside(data, state, reference, Some(candidates), &blocks, PARTS);
+        let round = Round::beside(data, state, reference, Some(candidates), &blocks, parts);
         let members = members(&round, candidates, |candidate| log_odds(candidate, question.counted, data.len()));
         let mut of_blocks = round.candidates[candidates.len()..].iter();
         let mut columns =
@@ -184,7 +202,7 @@ pub(crate) fn judge(
     let has: Vec<bool> = state.joints.iter().map(|&joint| !kernel(joint).is_empty()).collect();
     state.keep(&has);
     let kernels: Vec<Vec<Kernel>> = state.joints.iter().map(|&joint| kernel(joint)).collect();
-    let entered = Entered::new(data, &state, reference, question);
+    let entered = Entered::new(data, &state, reference, question, question.structures, PARTS);
     let (round, contest) = (&entered.round, entered.contest(&kernels));
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let start: Vec<usize> = question.start.iter().filter_map(place).collect();
@@ -209,6 +227,15 @@ pub(crate) fn judge(
     let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
     let mut all = set.clone();
     all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
+    // Without a probable cause, half-sample refits are not made.
+    let others = if all.is_empty() { &[][..] } else { question.others };
+    let elsewhere = each_alone(others, |other| {
+        let mut state = State::new(other.survey, other.data, &on_other_rows(fit, other.data));
+        state.keep(&has);
+        let entered = Entered::new(other.data, &state, reference, question, &other.structures, 1);
+        let contest = entered.contest(&kernels);
+        contest.climbed(&grounds(&contest, &entered.round.gram), &which)
+    });
     // Each half starts from the run's best set, and from the start of that search.
     let begin: Vec<Vec<usize>> = vec![set.clone(), predictor.set.clone(), start, Vec::new()];
     let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
@@ -216,6 +243,7 @@ pub(crate) fn judge(
     let probability = |name: &Name| masses.log_present(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
     let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|set, name| holds(set, name));
+    let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
     let predicting = OnceCell::new();
     let predicting = || predicting.get_or_init(|| Masses::of(&predictor.seen, &names));
     let members: Vec<Judged> = all
@@ -223,6 +251,10 @@ pub(crate) fn judge(
         .zip(found_again)
         .map(|(&member, found_again)| {
             let mine = &names[member];
+            let gain = |seen: &Seen| gain(seen, &|set| holds(set, mine));
+            let mut gains: Vec<f64> = elsewhere.iter().map(gain).filter(|gain| gain.is_finite()).collect();
+            gains.push(gain(&seen));
+            let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, |set| holds(set, mine)) };
             let (probability, instead) = (probability(mine), masses.rivals(mine));
             let predicting = || likely(predicting().log_present(mine).exp(), &predicting().rivals(mine));
             // A cause that is included for the prediction must be possible with structure, or make it unnecessary; alone, it must improve
@@ -236,8 +268,8 @@ pub(crate) fn judge(
                 candidate: candidates[member].clone(),
                 probability,
                 log_absent: masses.log_absent(mine),
-                found_again,
-                gain: gain(&seen, &|set| holds(set, mine)),
+                found_again: found_again.min(found_elsewhere),
+                gain: gains.iter().sum::<f64>() / gains.len() as f64,
                 rivals: instead,
                 predicts,
             }
@@ -257,6 +289,13 @@ pub(crate) fn judge(
         .collect();
     let open = (sets.len() > 1).then(|| Open::new(data, survey, fit, reference, sets));
     Judgement { members, open }
+}
+
+/// A fit seen on rows that it was not made for.
+fn on_other_rows(fit: &Fit<EffectModel>, data: &Measurements) -> Fit<EffectModel> {
+    let squares = ResidualModel { data, layout: &fit.layout, effects: &fit.effects }.squares(&fit.arm);
+    let weights = gross(data, &squares, &vec![1.0; data.observations()], &fit.noise);
+    Fit { weights, squares, ..fit.clone() }
 }
 
 /// The names of a set's members, each once.
