@@ -418,7 +418,7 @@ fn nothing_that_is_not_understood_is_passed_over() {
         denavit_with_input(&["table", "-"], &csv.replace("q1,0.1,90,0", cell)).failed();
     }
     let markdown = "standard, lengths in m, angles in degrees\n\n| theta | d | alpha | a |\n|---|---|---|---|\n| q1 | 0.1 | 90 | 0 |\n";
-    notes("text.md", &format!("{markdown}\nSee page 3.\n"), "text.md:7: text: text behind the table is not read");
+    notes("text.md", &format!("{markdown}\nSee page 3.\n"), "text.md:7: text: text after the table is ignored");
     notes("two.md", &format!("{markdown}\n# B\n\n{markdown}"), "another table follows");
     assert_eq!(denavit_with_input(&["table", "-"], markdown).stderr, "");
     // Keys at every level of our own JSON.

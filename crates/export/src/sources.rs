@@ -217,7 +217,7 @@ pub enum SourceErrorKind {
     #[error("coordinate \"{}\" is not in `coordinates`; add it", quoted(.0))]
     Coordinate(String),
     /// A unit that is not known.
-    #[error("\"{}\" is not a known unit; write one of {known}", quoted(word))]
+    #[error("\"{}\" is not a known unit here; write one of {known}", quoted(word))]
     UnknownUnit {
         /// As it is written.
         word: String,

@@ -353,5 +353,5 @@ pub fn table_options(convention: Option<&str>, gauge: Option<&str>) -> Result<Ta
 pub fn units(written: &str) -> Result<Units, String> {
     Units::default()
         .with_words(written)
-        .map_err(|unknown| format!("\"{}\" is no unit; write m or mm, and deg or rad", unknown.word))
+        .map_err(|unknown| format!("\"{}\" is not a known unit; write m or mm, and deg or rad", unknown.word))
 }
