@@ -191,9 +191,7 @@ class Measurements:
         lengths = {len(values) for values in lists.values() if values is not None}
         if len(lengths) != 1:
             found = ", ".join(f"{name} {len(values)}" for name, values in lists.items() if values is not None) or "none"
-            raise ArgumentError(
-                f"columns of measurements need one length, but have: {found}; give one value per row", file=file
-            )
+            raise ArgumentError(f"columns of measurements need one length, but have: {found}; give one value per row", file=file)
         (rows,) = lengths
         full = [[columns[name]] * rows if values is None else values for name, values in lists.items()]
         out = io.StringIO()

@@ -420,7 +420,7 @@ def test_plans_are_poses_to_simulate_at(drawn: dn.Chain) -> None:
             drawn.plan(**wrong)  # type: ignore[arg-type]
     for wrong, why in (
         ({"effect": ["magic@x=1"]}, "not a kind of effect"),
-        ({"columns": ["weather"]}, "no column"),
+        ({"columns": ["weather"]}, "cannot be simulated"),
         ({"noise": (-1.0, 0.0)}, "noise is"),
         ({"targets": 2, "measure": "poses"}, "several targets"),
         ({"q": plan.q[:, :5]}, "6 joint values"),

@@ -72,7 +72,7 @@ def test_ctrl_c_ends_it_within_a_second_and_lets_go_of_the_store(manifest: Path)
 
 def test_what_cannot_be_run_is_refused(manifest: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store = manifest.parent / "store"
-    with pytest.raises(dn.ManifestError, match='set=: "dance" is no word of a manifest'):
+    with pytest.raises(dn.ManifestError, match='set=: "dance" is not a manifest key'):
         dn.fleet.run(manifest, store, set={"dance": "yes"})
     with pytest.raises(dn.ReadError):
         dn.fleet.run("nothing.csv", store)

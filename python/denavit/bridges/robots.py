@@ -132,9 +132,7 @@ def _agree(text: str, robot: Any, count: int) -> None:
     chain = load(text).chain(exact=True)
     for q in (np.zeros(count), np.linspace(0.1, 0.5, count)):
         if np.abs(chain.fk(q) - np.asarray(robot.fkine(q).A)).max() > _SAME * max(1.0, chain.size):
-            raise ArgumentError(
-                f"{robot.name}: its forward kinematics do not match its links; give its original URDF or table"
-            )
+            raise ArgumentError(f"{robot.name}: its forward kinematics do not match its links; give its original URDF or table")
 
 
 def of_pinocchio(model: Any) -> str:

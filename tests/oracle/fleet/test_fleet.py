@@ -215,11 +215,11 @@ def test_every_task_has_its_rows(tmp_path):
 
 @pytest.mark.parametrize("text, said", [
     ("serial,robot,data\nA,arm.urdf,a.csv,x\n", "plant.csv:2: "),
-    ("serial,robot,dat\nA,arm.urdf,a.csv\n", "\"dat\" is no word of a manifest"),
-    ("serial,robot,date\nA,arm.urdf,22.11.2026\n", "plant.csv:2: \"22.11.2026\" is no day"),
+    ("serial,robot,dat\nA,arm.urdf,a.csv\n", "\"dat\" is not a manifest key"),
+    ("serial,robot,date\nA,arm.urdf,22.11.2026\n", "plant.csv:2: \"22.11.2026\" is not a date"),
     ("serial,robot,task\nA,arm.urdf,calibrate\n", "plant.csv:2: there are no data"),
     ("serial,robot,task\nA,arm.urdf,dance\n", "plant.csv:2: task \"dance\" is unknown"),
-    ("serial,robot,hold_out,data\nA,arm.urdf,1.5,a.csv\n", "plant.csv:2: hold_out is a share"),
+    ("serial,robot,hold_out,data\nA,arm.urdf,1.5,a.csv\n", "plant.csv:2: hold_out is a fraction"),
     ("serial,robot\n", "it names no robot"),
     ("robot\narm.urdf\n", "plant.csv:2: serial is missing"),
 ])
@@ -319,5 +319,5 @@ def test_a_column_of_another_kind_is_named(uninterrupted, tmp_path):
     duckdb.sql(f"copy (select * replace (unit as value) from '{old}') to '{store}/parameters/other.parquet' (format parquet)")
     run = subprocess.run([built.denavit(), "fleet", "watch", store], capture_output=True, text=True)
     assert run.returncode == 2
-    assert 'other.parquet: this is no file of a fleet\'s store: column "value": ' in run.stderr, run.stderr
+    assert 'other.parquet: this is not a file of a fleet store: column "value": ' in run.stderr, run.stderr
     assert "holds something else than double" in run.stderr

@@ -236,7 +236,7 @@ def test_an_edit_says_its_proof_and_gives_the_file_of_the_command_line(explorer,
     offered = page.locator("#operation option").all_text_contents()
     # Every operation of the program except those that need files that a page does not have.
     refused = subprocess.run([denavit(), "edit", UR5E, "nothing", "-o", tmp_path / "none.urdf"], capture_output=True, text=True)
-    known = re.search(r"there are (.*)", refused.stderr)[1].split(", ")
+    known = re.search(r"try (.*)", refused.stderr)[1].split(", ")
     assert [*offered] == [name for name in known if name not in ("set-calibration", "simplify-collision", "meshes")]
     shapes = "() => window.denavit.app.view.bodies.map((it) => it?.group.visible ?? false)"
     for name, fields, words in (
