@@ -34,7 +34,9 @@ pub struct Table {
 
 fn units(written: &str) -> PyResult<Units> {
     let units = Units::default().with_words(written);
-    units.map_err(|unknown| argument(format!("units: \"{}\" is not a known unit; write m or mm, and deg or rad", unknown.word)))
+    units.map_err(|unknown| {
+        argument(format!("units: \"{}\" is not a known unit; write m or mm, and deg or rad", unknown.word))
+    })
 }
 
 impl Table {
