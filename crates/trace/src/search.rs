@@ -47,7 +47,7 @@ pub struct Proposals {
     pub(crate) scan: Vec<ScanCell>,
 }
 
-impl<'a> Tracer<'a> {
+impl Tracer<'_> {
     /// The candidates for the comparison of sets: a stepwise search, from geometry alone. `some`: the rows that it uses and the fit there, if
     /// they are not all. These rows show which effects there are, but their scanned numbers only roughly.
     pub(crate) fn proposals(&self, some: Option<(&Measurements, &Fit<NoEffects>)>) -> Proposals {

@@ -320,4 +320,4 @@ def test_a_column_of_another_kind_is_named(uninterrupted, tmp_path):
     run = subprocess.run([built.denavit(), "fleet", "watch", store], capture_output=True, text=True)
     assert run.returncode == 2
     assert 'other.parquet: this is not a file of a fleet store: column "value": ' in run.stderr, run.stderr
-    assert "holds something else than double" in run.stderr
+    assert "it does not hold double" in run.stderr
