@@ -371,10 +371,12 @@ pub fn calibrate_and_tell(
     let reached = last.checked_sub(of_geometry.len()).map(|index| &beyond[index]);
     let geometry = of_geometry[last.min(of_geometry.len() - 1)];
     let averaging = || {
+        if !options.average {
+            return Err(NotAveraged::NotAsked);
+        }
         let before = (found.as_ref(), beyond.iter().rev().find(|before| before.fit.converged_or_exact()));
         averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
     };
-    let averaging = || if options.average { averaging() } else { Err(NotAveraged::NotAsked) };
     let noise = || options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten();
     let (averaging, noise) = join(averaging, noise);
     if let Ok(averaging) = &averaging {

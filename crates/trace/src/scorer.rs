@@ -94,7 +94,7 @@ pub(crate) fn driven(data: &Measurements, statics: &Statics, candidates: &[Candi
 }
 
 impl CandidateScorer<'_> {
-    /// Scores every candidate, in the given order, in addition to relaxed geometry and all or some of a state's effects.
+    /// Scores every candidate, in the given order, against loose geometry and all or some of a state's effects.
     pub(crate) fn scored(
         &self,
         at: &Linearised,

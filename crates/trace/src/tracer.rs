@@ -151,9 +151,7 @@ impl<'a> Tracer<'a> {
     pub(crate) fn scorer<'b>(&'b self, linear: &'b Linear) -> CandidateScorer<'b> {
         CandidateScorer { data: self.data, statics: self.statics, linear }
     }
-}
 
-impl Tracer<'_> {
     /// Every candidate against geometry alone.
     pub(crate) fn first_pass(&self) -> Vec<ScanCell> {
         let state = self.refitted(Vec::new(), None);
