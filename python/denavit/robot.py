@@ -238,7 +238,7 @@ def load(
         package_path: Folders with ROS packages, or packages.
         allow_any_file: Let xacro read files outside its package and the package path.
         vendor_angles: Read the angles of a UR kinematics file as the vendor's tool means them, Rx Ry Rz.
-        file: Name in messages of a source without a name; its ending distinguishes formats.
+        file: Name in messages of an unnamed source; its ending distinguishes formats.
         table_convention: Of a D-H table that does not state it: ``distal`` (also ``standard``, ``sdh``, ``DH``), ``proximal``
             (``modified``, ``mdh``, ``craig``), ``paper`` or ``hayati``.
         table_units: Of the numbers of a D-H table that state none, such as ``mm,deg``.

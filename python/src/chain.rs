@@ -30,7 +30,7 @@ type Branches<'py> = (
     String,
 );
 
-/// The index for a branch without a name.
+/// The index for an unnamed branch.
 const NAMELESS: i8 = 8;
 
 /// The place of a branch among the names.

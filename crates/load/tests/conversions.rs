@@ -279,7 +279,7 @@ fn rules_of_other_formats_find_their_bad_example_and_not_their_good_one() {
         let found = |text: &str| {
             let robot = robot("m.xml", text);
             // What is only a note of the reading has a rule of its own here.
-            assert!(robot.notes.iter().all(|note| matches!(note, Note::Mended { .. })), "{:?}", robot.notes);
+            assert!(robot.notes.iter().all(|note| matches!(note, Note::Corrected { .. })), "{:?}", robot.notes);
             let findings = rules.check("m.xml", &robot.source.text);
             findings.into_iter().map(|finding| (finding.rule, finding.place.line)).collect::<Vec<_>>()
         };

@@ -668,7 +668,7 @@ impl<'a> Reader<'a> {
             None => self.pose(&resolved),
         };
         let (Some(pose), Some(name)) = (pose, resolved.get("name")) else {
-            self.keep(item, "a site without a name cannot be used as a frame");
+            self.keep(item, "an unnamed site cannot be used as a frame");
             return;
         };
         self.account(&resolved);

@@ -219,7 +219,10 @@ fn sites_are_frames_and_shapes_are_seen_or_touched() {
     assert!(robot.source.kept().iter().any(|kept| kept.loss.what == "<geom>" && kept.text.contains("plane")));
     // The mesh's file gives no mass here, which is said.
     assert!(
-        robot.notes.iter().any(|note| matches!(note, Note::Mended { what, .. } if what.contains("mass is not known")))
+        robot
+            .notes
+            .iter()
+            .any(|note| matches!(note, Note::Corrected { what, .. } if what.contains("mass is not known")))
     );
 }
 

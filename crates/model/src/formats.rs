@@ -226,7 +226,7 @@ impl Translation {
     pub(crate) fn reader_notes(&self) -> Vec<Note> {
         let found = self.findings.iter().map(|(_, place, what)| (place, what));
         let own = self.notes.iter().map(|(place, what)| (place, what)).chain(found);
-        let own = own.map(|(place, what)| Note::Mended { place: place.clone(), what: what.clone() });
+        let own = own.map(|(place, what)| Note::Corrected { place: place.clone(), what: what.clone() });
         let mut notes: Vec<Note> = own.collect();
         let unknown: Vec<&Kept> = self.kept.iter().filter(|kept| !kept.understood).collect();
         let kind = |kept: &Kept| kept.loss.what.split('=').next().unwrap_or_default().to_owned();

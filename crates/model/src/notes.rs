@@ -24,7 +24,7 @@ impl fmt::Display for Place {
 #[non_exhaustive]
 pub enum Note {
     /// Something that the format does not allow was read as it was clearly meant.
-    Mended {
+    Corrected {
         /// Where.
         place: Place,
         /// What was done, a sentence.
@@ -99,7 +99,7 @@ impl Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mended { place, what } | Self::NotUnderstood { place, what } | Self::Split { place, what } => {
+            Self::Corrected { place, what } | Self::NotUnderstood { place, what } | Self::Split { place, what } => {
                 write!(f, "{place}: {what}")
             }
             Self::IntendedAngle { place, written, read_as, change, tip_moves } => {

@@ -214,9 +214,9 @@ impl Reader<'_> {
         self.problems.push(Problem { place, kind });
     }
 
-    fn mended(&mut self, node: Node, element: impl Into<String>, what: impl Into<String>) {
+    fn corrected(&mut self, node: Node, element: impl Into<String>, what: impl Into<String>) {
         let place = self.source.place(node.range().start, element);
-        self.notes.push(Note::Mended { place, what: what.into() });
+        self.notes.push(Note::Corrected { place, what: what.into() });
     }
 
     fn robot(&mut self, root: Node) -> Option<Parts> {
@@ -273,8 +273,10 @@ impl Reader<'_> {
             return;
         }
         let place = self.source.place(user.joint.at, format!("joint \"{}\"", user.joint.name));
-        self.notes
-            .push(Note::Mended { place, what: "parent link \"world\" is not declared; read as an empty link".into() });
+        self.notes.push(Note::Corrected {
+            place,
+            what: "parent link \"world\" is not declared; read as an empty link".into(),
+        });
         links.push(Link::named("world", user.joint.at));
     }
 
@@ -362,7 +364,7 @@ impl Reader<'_> {
         for child in node.children().filter(Node::is_element) {
             match child.tag_name().name() {
                 "inertial" if link.inertial.is_none() => link.inertial = Some(self.inertial(child, &owner)),
-                "inertial" => self.mended(child, &*owner, "a second <inertial> is ignored"),
+                "inertial" => self.corrected(child, &*owner, "a second <inertial> is ignored"),
                 "visual" => link.visuals.push(self.shape(child, &owner)),
                 "collision" => link.collisions.push(self.shape(child, &owner)),
                 _ => link.elements.push(Element::of(child, &self.source.text)),
@@ -549,7 +551,7 @@ impl Reader<'_> {
         };
         let length = x.hypot(y).hypot(z.hypot(w));
         if (length - 1.0).abs() > UNIT_QUATERNION {
-            self.mended(
+            self.corrected(
                 origin,
                 owner,
                 format!("quat_xyzw=\"{written}\" has length {length:.4}; normalised to length 1"),
@@ -563,7 +565,7 @@ impl Reader<'_> {
         let mut found = node.children().filter(|child| child.is_element() && child.tag_name().name() == name);
         let first = found.next();
         if let Some(second) = found.next() {
-            self.mended(second, owner, format!("a second <{name}> is ignored"));
+            self.corrected(second, owner, format!("a second <{name}> is ignored"));
         }
         first
     }
@@ -599,7 +601,7 @@ impl Reader<'_> {
         let value = node.attribute(attribute)?;
         if value.contains(',') {
             let count = if N == 3 { "three" } else { "four" };
-            self.mended(node, owner, format!("{attribute}=\"{value}\" has commas; read as {count} numbers"));
+            self.corrected(node, owner, format!("{attribute}=\"{value}\" has commas; read as {count} numbers"));
         }
         let mut numbers = [0.0; N];
         let mut found = 0;

@@ -9,8 +9,8 @@ use crate::robot::SourceText;
 /// Where the text comes from is read from it, or given as `translation`.
 pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translation>) -> (SourceText, Vec<Note>) {
     let mut notes = Vec::new();
-    let mut mended = |line, what: String| {
-        notes.push(Note::Mended { place: Place { file: file.to_owned(), line, element: "file".into() }, what });
+    let mut corrected = |line, what: String| {
+        notes.push(Note::Corrected { place: Place { file: file.to_owned(), line, element: "file".into() }, what });
     };
     let mut start = 0;
     if original.starts_with('\u{feff}') {
@@ -20,7 +20,7 @@ pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translatio
     let blank = rest.len() - rest.trim_start().len();
     if blank > 0 && rest[blank..].starts_with("<?xml") {
         start += blank;
-        mended(1, "white space before the XML declaration is skipped".into());
+        corrected(1, "white space before the XML declaration is skipped".into());
     }
     let (dropped_before, text) = original.split_at(start);
     let mut source = match translation {
@@ -35,7 +35,7 @@ pub(crate) fn prepare(file: &str, original: &str, translation: Option<Translatio
         let declarations: Vec<String> =
             unbound.iter().map(|prefix| format!(" xmlns:{prefix}=\"urn:unbound:{prefix}\"")).collect();
         let declaration = declarations.concat();
-        mended(
+        corrected(
             source.line(at),
             format!("namespace prefix {} is not declared; read as part of the name", unbound.join(", ")),
         );

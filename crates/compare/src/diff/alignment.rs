@@ -31,7 +31,7 @@ const UNMOVED_FREE: f64 = 0.3;
 const FRAMES: f64 = 0.25;
 /// If this share of all features agrees to rounding, one robot comes from the other by a few edits.
 const MOSTLY: f64 = 0.5;
-/// Joints on one body without a name match are paired by their axes, at most this many, because all pairs are compared.
+/// Joints on one body that match no name are paired by their axes, at most this many, because all pairs are compared.
 const PAIRED: usize = 100;
 /// Frames of a body that are compared with those of b, at most.
 const FRAMES_HELD: usize = 100;

@@ -155,7 +155,7 @@ pub struct NoteEntry {
 impl From<&Note> for NoteEntry {
     fn from(note: &Note) -> Self {
         let (kind, place) = match note {
-            Note::Mended { place, .. } => ("mended", Some(place)),
+            Note::Corrected { place, .. } => ("mended", Some(place)),
             Note::NotUnderstood { place, .. } => ("not_understood", Some(place)),
             Note::IntendedAngle { place, .. } => ("intended_angle", Some(place)),
             Note::TreatedAsParallel { .. } => ("treated_as_parallel", None),

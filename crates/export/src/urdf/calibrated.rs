@@ -245,7 +245,7 @@ fn add_tip(
     edits.lines_behind(&robot.source, carrier, &lines);
     let place = robot.source.place(carrier.range().start, format!("link \"{tip}\""));
     let what = format!("the calibrated tip is not on the last joint's axis; it is the new link \"{name}\"");
-    Ok(Note::Mended { place, what })
+    Ok(Note::Corrected { place, what })
 }
 
 /// # Errors

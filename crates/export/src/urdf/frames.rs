@@ -301,7 +301,7 @@ fn tilted(robot: &Robot, step: &Step, angle: f64) -> Note {
         "its axis is {angle:.1e} rad from parallel to the axis before; the origin has a small pitch for it, which \
          keeps the motion and places the frame near the arm"
     );
-    Note::Mended { place: robot.joint_place(step.joints[0].0), what }
+    Note::Corrected { place: robot.joint_place(step.joints[0].0), what }
 }
 
 fn carried_by_axis(robot: &Robot, bodies: &Bodies, link: usize) -> bool {

@@ -198,7 +198,7 @@ impl<'a> Moves<'a> {
             named.len(),
             first.text().unwrap_or_default().trim()
         );
-        vec![Note::Mended { place, what }]
+        vec![Note::Corrected { place, what }]
     }
 
     fn unfaithful(&self, at: usize) -> ExportError {

@@ -27,7 +27,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
     };
     let found = notes.iter().filter_map(|note| match note {
         // Commas between numbers have a rule of their own, which fixes them.
-        Note::Mended { place, what } if !what.contains("has commas") && !elsewhere(place, what) => {
+        Note::Corrected { place, what } if !what.contains("has commas") && !elsewhere(place, what) => {
             Some(Found::placed(place.clone(), what.clone()))
         }
         _ => None,
