@@ -22,9 +22,9 @@ ROBOTS = WORKSPACE / "robots"
 VENDOR = WORKSPACE.parent / "shared/vendor"
 SHOTS = WORKSPACE / "target/tests/explorer"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-# SwiftShader draws WebGL, and the processor draws the page directly: with SwiftShader that takes twice as long.
+# SwiftShader draws WebGL, without smoothed edges, and the processor draws the page directly: with SwiftShader that takes twice as long.
 FLAGS = """--no-sandbox --disable-gpu-compositing --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
---use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist""".split()
+--use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist --webgl-antialiasing-mode=none""".split()
 LARGE = tempfile.TemporaryDirectory()
 DESKTOP = {"width": 1360, "height": 860}
 PHONE = {"width": 360, "height": 740}

@@ -72,17 +72,16 @@ ARM = {
 }
 
 
-def test_a_dragged_file_opens(opened):
+SHOWN = "name => window.denavit.app.robot?.file.endsWith(name) && window.denavit.app.table"
+
+
+def test_a_dragged_file_opens_and_a_dragged_folder_with_its_meshes(opened, tmp_path):
     page, frame = opened
     drag(page, UR5E)
     expect(frame.locator("#dh tbody tr")).to_have_count(8)
     expect(frame.locator(".said.wrong")).to_have_count(0)
-
-
-def test_a_dragged_folder_opens_with_its_meshes(opened, tmp_path):
-    page, frame = opened
     drag(page, write(tmp_path, ARM) / "ws")
-    expect(frame.locator("#dh tbody tr").first).to_be_visible()
+    frame.wait_for_function(SHOWN, arg="arm.urdf")
     assert frame.evaluate("() => window.denavit.app.view.missing") == []
     # No message calls a drawn mesh missing, although the folder and its package have different names.
     expect(frame.locator("#download-urdf, #clean")).to_have_count(1)
@@ -106,28 +105,29 @@ def test_two_dragged_files_are_compared(explorer, tmp_path):
     expect(page.locator("#verdict")).to_have_text("Different robots")
 
 
-@pytest.mark.parametrize(
-    ("files", "names", "missing"),
-    [
-        # From the package of that name, and not from the first one.
-        ({"a/package.xml": package("other"), "a/meshes/base.stl": b"x", "b/package.xml": package("arm"), "b/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
-        # The dropped package has no such file: another robot's mesh is not shown instead.
-        ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary(), "b/package.xml": package("arm")}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
-        ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
-        # No package.xml at all: the longest common end of the path.
-        ({"x/low/base.stl": b"broken", "x/high/base.stl": stl_binary()}, ["package://arm/meshes/high/base.stl"], []),
-        ({"base.stl": stl_binary()}, ["package://arm/meshes/base.stl"], []),
-        ({"meshes/base.stl": stl_binary()}, ["file:///home/somebody/ws/arm/meshes/base.stl"], []),
-        # Two equally good candidates: neither is chosen.
-        ({"x/base.stl": stl_binary(), "y/base.stl": b"\1" + stl_binary()[1:]}, ["package://arm/meshes/base.stl"], ["package://arm/meshes/base.stl"]),
-    ],
-    ids=["by name", "not there", "of another", "longest end", "bare", "file", "two alike"],
-)  # fmt: skip
-def test_a_mesh_is_the_file_that_its_name_means(files, names, missing, explorer, tmp_path):
+# Files beside a robot, its mesh, and whether no file is that mesh.
+MESHES = {
+    # From the package of that name, and not from the first one.
+    "by name": ({"a/package.xml": package("other"), "a/meshes/base.stl": b"x", "b/package.xml": package("arm"), "b/meshes/base.stl": stl_binary()}, "package://arm/meshes/base.stl", False),
+    # The dropped package has no such file: another robot's mesh is not shown instead.
+    "not there": ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary(), "b/package.xml": package("arm")}, "package://arm/meshes/base.stl", True),
+    "of another": ({"a/package.xml": package("other"), "a/meshes/base.stl": stl_binary()}, "package://arm/meshes/base.stl", True),
+    # No package.xml at all: the longest common end of the path.
+    "longest end": ({"x/low/base.stl": b"broken", "x/high/base.stl": stl_binary()}, "package://arm/meshes/high/base.stl", False),
+    "bare": ({"base.stl": stl_binary()}, "package://arm/meshes/base.stl", False),
+    "file": ({"meshes/base.stl": stl_binary()}, "file:///home/somebody/ws/arm/meshes/base.stl", False),
+    # Two equally good candidates: neither is chosen.
+    "two alike": ({"x/base.stl": stl_binary(), "y/base.stl": b"\1" + stl_binary()[1:]}, "package://arm/meshes/base.stl", True),
+}  # fmt: skip
+
+
+def test_a_mesh_is_the_file_that_its_name_means(explorer, tmp_path):
     page = explorer()
-    drag(page, write(tmp_path, {f"top/{name}": content for name, content in {**files, "arm.urdf": robot_of(names)}.items()}) / "top")
-    expect(page.locator("#dh tbody tr").first).to_be_visible()
-    assert page.evaluate("() => window.denavit.app.view.missing") == missing
+    for case, (files, mesh, missing) in MESHES.items():
+        robot = f"{case.replace(' ', '_')}.urdf"
+        drag(page, write(tmp_path / case, {f"top/{name}": content for name, content in {**files, robot: robot_of([mesh])}.items()}) / "top")
+        page.wait_for_function(SHOWN, arg=robot)
+        assert page.evaluate("() => window.denavit.app.view.missing") == [mesh] * missing, case
 
 
 MODELS = {
@@ -138,12 +138,13 @@ MODELS = {
 }
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_models_in_other_formats_are_dragged(name, explorer, tmp_path):
+def test_models_in_other_formats_are_dragged(explorer, tmp_path):
     page = explorer()
-    drag(page, write(tmp_path, {name: MODELS[name]}) / name)
-    expect(page.locator("#dh tbody tr").first).to_be_visible()
-    expect(page.locator(".said.wrong")).to_have_count(0)
+    for name, model in MODELS.items():
+        drag(page, write(tmp_path, {name: model}) / name)
+        page.wait_for_function(SHOWN, arg=name)
+        expect(page.locator("#dh tbody tr").first).to_be_visible()
+        expect(page.locator(".said.wrong")).to_have_count(0)
 
 
 INCLUDING = {

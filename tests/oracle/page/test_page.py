@@ -72,14 +72,21 @@ def test_page_opens_at_the_posture_in_its_address(name, opened):
     page = opened(f"{(PAGES / f'{name}.html').as_uri()}#chain={posture['chain']}&q={values}", DESKTOP)
     tip = page.evaluate("names => names.map(name => Number(document.getElementById(`tip-${name}`).dataset.value))", list(posture["tip"]))
     assert farthest(dict(zip(posture["tip"], tip, strict=True)), posture["tip"]) < 1e-9
+    names_in_the_3d_view_lie_inside_and_off_each_other(page)
 
 
 @needs_chromium
 @needs_pages
 @pytest.mark.parametrize("name", NAMES)
-def test_sliders_move_the_tip_to_where_forward_kinematics_says_on_a_phone(name, opened):
-    postures = json.loads((PAGES / f"{name}.json").read_text())
+def test_page_on_a_phone(name, opened):
     page = opened((PAGES / f"{name}.html").as_uri(), PHONE)
+    what_is_wider_than_the_window_shows_that_it_scrolls(page)
+    sliders_move_the_tip_to_where_forward_kinematics_says(page, name)
+    names_in_the_3d_view_lie_inside_and_off_each_other(page)
+
+
+def sliders_move_the_tip_to_where_forward_kinematics_says(page, name):
+    postures = json.loads((PAGES / f"{name}.json").read_text())
     result = page.evaluate(DRIVER, postures)
     off = max(farthest(found, posture["tip"]) for found, posture in zip(result["tips"], postures, strict=True))
     print(f"{name}: {len(postures)} postures, largest difference {off:.1e}")
@@ -88,6 +95,31 @@ def test_sliders_move_the_tip_to_where_forward_kinematics_says_on_a_phone(name, 
     assert min(result["colours"].values()) > 20
     assert result["figures"] >= 3
     assert result["troubles"] == []
+
+
+def names_in_the_3d_view_lie_inside_and_off_each_other(page):
+    for view in ("isometric", "front", "side", "top"):
+        page.click(f'button[data-view="{view}"]')
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        named = json.loads(page.evaluate("() => document.getElementById('view').dataset.named"))
+        words = named["words"]
+        assert len(words) >= 1 or named["asked"] == 0
+        for index, one in enumerate(words):
+            assert 0 <= one["x"] - one["wide"] and one["x"] + one["wide"] <= named["width"], (view, one)
+            assert 0 <= one["y"] - one["high"] and one["y"] + one["high"] <= named["height"], (view, one)
+            for other in words[:index]:
+                apart = abs(one["x"] - other["x"]) >= one["wide"] + other["wide"] or abs(one["y"] - other["y"]) >= 12
+                assert apart, (view, one, other)
+
+
+def what_is_wider_than_the_window_shows_that_it_scrolls(page):
+    found = page.evaluate(
+        """() => [...document.querySelectorAll(".wide")].filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => {
+          const style = getComputedStyle(part);
+          return [style.overflowX, style.backgroundImage.split("gradient").length - 1, style.scrollbarWidth];
+        })"""
+    )
+    assert all(overflow in ("auto", "scroll") and shades == 4 and bar == "thin" for overflow, shades, bar in found), found
 
 
 @needs_pages
@@ -104,37 +136,3 @@ def test_page_asks_for_no_other_file(name):
 def test_index_leads_to_every_page():
     text = (PAGES / "index.html").read_text(encoding="utf-8")
     assert set(re.findall(r'<a href="([^"]+)\.html">', text)) == set(NAMES)
-
-
-@needs_chromium
-@needs_pages
-@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
-@pytest.mark.parametrize("name", NAMES)
-def test_names_in_the_3d_view_lie_inside_and_off_each_other(name, size, opened):
-    page = opened((PAGES / f"{name}.html").as_uri(), size)
-    for view in ("isometric", "front", "side", "top"):
-        page.click(f'button[data-view="{view}"]')
-        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
-        named = json.loads(page.evaluate("() => document.getElementById('view').dataset.named"))
-        words = named["words"]
-        assert len(words) >= 1 or named["asked"] == 0
-        for index, one in enumerate(words):
-            assert 0 <= one["x"] - one["wide"] and one["x"] + one["wide"] <= named["width"], (view, one)
-            assert 0 <= one["y"] - one["high"] and one["y"] + one["high"] <= named["height"], (view, one)
-            for other in words[:index]:
-                apart = abs(one["x"] - other["x"]) >= one["wide"] + other["wide"] or abs(one["y"] - other["y"]) >= 12
-                assert apart, (view, one, other)
-
-
-@needs_chromium
-@needs_pages
-@pytest.mark.parametrize("name", NAMES)
-def test_what_is_wider_than_a_phone_shows_that_it_scrolls(name, opened):
-    page = opened((PAGES / f"{name}.html").as_uri(), PHONE)
-    found = page.evaluate(
-        """() => [...document.querySelectorAll(".wide")].filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => {
-          const style = getComputedStyle(part);
-          return [style.overflowX, style.backgroundImage.split("gradient").length - 1, style.scrollbarWidth];
-        })"""
-    )
-    assert all(overflow in ("auto", "scroll") and shades == 4 and bar == "thin" for overflow, shades, bar in found), found
