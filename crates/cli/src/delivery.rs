@@ -51,6 +51,11 @@ impl Delivery {
         output::colour(self.own_is_printed)
     }
 
+    /// The command's own view in sentences: where it is printed on a terminal, as wide as that.
+    pub fn sentences(&self, text: String) -> String {
+        if self.own_is_printed { output::fitted(&text).into_owned() } else { text }
+    }
+
     /// Whether the command's own view is requested.
     pub fn wants_own(&self) -> bool {
         self.own.is_some()

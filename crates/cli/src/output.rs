@@ -48,10 +48,15 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Writes sentences to standard output, as wide as the terminal where that is one.
 pub fn print_sentences(text: &str) -> Result<(), Failure> {
+    print(&fitted(text))
+}
+
+/// Sentences for standard output: as wide as the terminal where that is one.
+pub fn fitted(text: &str) -> Cow<'_, str> {
     let width = if io::stdout().is_terminal() { terminal_size::terminal_size() } else { None };
     match width {
-        Some((terminal_size::Width(width), _)) => print(&wrapped::wrapped(text, usize::from(width))),
-        None => print(text),
+        Some((terminal_size::Width(width), _)) => wrapped::wrapped(text, usize::from(width)).into(),
+        None => text.into(),
     }
 }
 

@@ -145,7 +145,7 @@ fn report(
     let rendered =
         |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(&found));
     let own = || match arguments.format.as_str() {
-        "text" => Ok(report::text(&found, delivery.colour())),
+        "text" => Ok(delivery.sentences(report::text(&found, delivery.colour()))),
         name => rendered(name),
     };
     delivery.deliver(own, || rendered("json"))?;

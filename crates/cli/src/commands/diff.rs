@@ -29,7 +29,7 @@ fn deliver(delivery: &Delivery, format: &str, found: &Report) -> Result<(), Fail
     let rendered =
         |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(found));
     let own = || match format {
-        "text" => Ok(report::text(found, delivery.colour())),
+        "text" => Ok(delivery.sentences(report::text(found, delivery.colour()))),
         name => rendered(name),
     };
     delivery.deliver(own, || rendered("json"))

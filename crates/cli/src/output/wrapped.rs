@@ -13,7 +13,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
         let (words, end) = line.strip_suffix('\n').map_or((line, ""), |line| (line, "\n"));
-        if words.chars().count() <= width {
+        if shown(words) <= width {
             out.push_str(line);
             continue;
         }
@@ -26,7 +26,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> String {
         let mut column = indent;
         out.push_str(&words[..indent]);
         for (index, word) in words.split_whitespace().enumerate() {
-            let length = word.chars().count();
+            let length = shown(word);
             if index > 0 && column + 1 + length > width {
                 out.push('\n');
                 out.push_str(&" ".repeat(indent + 2));
@@ -41,6 +41,12 @@ pub(super) fn wrapped(text: &str, width: usize) -> String {
         out.push_str(end);
     }
     out
+}
+
+/// How many characters a terminal shows of a text with colours (ECMA-48, select graphic rendition).
+fn shown(text: &str) -> usize {
+    let hidden: usize = text.split("\x1b[").skip(1).map(|rest| 2 + rest.find('m').map_or(0, |end| end + 1)).sum();
+    text.chars().count() - hidden
 }
 
 /// A row of a table in several lines, each broken after a column.
@@ -85,6 +91,13 @@ mod tests {
             wrapped(text, 34),
             "errors in mm   train rms    mean\n    test rms\nnominal           3.8908  3.6523\n      4.6298\n"
         );
+    }
+
+    #[test]
+    fn colours_take_no_room() {
+        let text = "before.urdf → after.urdf: \x1b[31mdifferent\x1b[0m\n";
+        assert_eq!(wrapped(text, 35), text);
+        assert_eq!(wrapped(text, 34), "before.urdf → after.urdf:\n  \x1b[31mdifferent\x1b[0m\n");
     }
 
     #[test]
