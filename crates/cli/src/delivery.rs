@@ -3,7 +3,7 @@
 use crate::args::JsonArguments;
 use crate::failure::Failure;
 use crate::output::{self, Outputs, Slot};
-use denavit_compare::report::Colour;
+use denavit_compare::report::{self, Report};
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -46,16 +46,6 @@ impl Delivery {
         Self::of(output, &JsonArguments::default(), inputs)
     }
 
-    /// Colours for the command's own view.
-    pub fn colour(&self) -> Colour {
-        output::colour(self.own_is_printed)
-    }
-
-    /// The command's own view in sentences: where it is printed on a terminal, as wide as that.
-    pub fn sentences(&self, text: String) -> String {
-        if self.own_is_printed { output::fitted(&text).into_owned() } else { text }
-    }
-
     /// Whether the command's own view is requested.
     pub fn wants_own(&self) -> bool {
         self.own.is_some()
@@ -75,6 +65,20 @@ impl Delivery {
             texts.push((slot, own()?));
         }
         self.outputs.write(&texts)
+    }
+
+    /// Makes the requested views of a report. Text that is printed on a terminal is coloured and as wide as that.
+    pub fn report(&self, format: &str, found: &Report) -> Result<(), Failure> {
+        let rendered =
+            |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(found));
+        let own = || match format {
+            "text" => {
+                let text = report::text(found, output::colour(self.own_is_printed));
+                Ok(if self.own_is_printed { output::fitted(&text).into_owned() } else { text })
+            }
+            name => rendered(name),
+        };
+        self.deliver(own, || rendered("json"))
     }
 
     /// The same for a command that has no JSON.

@@ -19,6 +19,7 @@ use std::borrow::Cow;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use terminal_size::{Height, Width};
 
 /// Exit codes, as those of `diff`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,9 +54,12 @@ pub fn print_sentences(text: &str) -> Result<(), Failure> {
 
 /// Sentences for standard output: as wide as the terminal where that is one.
 pub fn fitted(text: &str) -> Cow<'_, str> {
-    let width = if io::stdout().is_terminal() { terminal_size::terminal_size() } else { None };
-    match width {
-        Some((terminal_size::Width(width), _)) => wrapped::wrapped(text, usize::from(width)).into(),
+    as_wide_as(if io::stdout().is_terminal() { terminal_size::terminal_size() } else { None }, text)
+}
+
+fn as_wide_as(terminal: Option<(Width, Height)>, text: &str) -> Cow<'_, str> {
+    match terminal {
+        Some((Width(width), _)) => wrapped::wrapped(text, usize::from(width)).into(),
         None => text.into(),
     }
 }
@@ -106,11 +110,8 @@ pub fn tell_notes(all: bool) {
 
 fn print_note(note: &str) {
     let line = format!("note: {}", readable(&with_flags(note)));
-    let width = if io::stderr().is_terminal() { terminal_size::terminal_size_of(io::stderr()) } else { None };
-    match width {
-        Some((terminal_size::Width(width), _)) => eprintln!("{}", wrapped::wrapped(&line, usize::from(width))),
-        None => eprintln!("{line}"),
-    }
+    let terminal = if io::stderr().is_terminal() { terminal_size::terminal_size_of(io::stderr()) } else { None };
+    eprintln!("{}", as_wide_as(terminal, &line));
 }
 
 /// Whether text on standard output is coloured: on a terminal, unless `NO_COLOR` is set.

@@ -107,6 +107,12 @@ def drop_robot(page, *files):
     expect(page.locator("#dh tbody tr").first).to_be_visible()
 
 
+def has_table(page, file):
+    """Waits until the page, or the frame of a page, shows the robot of this file and its table."""
+    page.wait_for_function("file => window.denavit.app.robot?.file === file && window.denavit.app.table", arg=file)
+    expect(page.locator("#dh tbody tr").first).to_be_visible()
+
+
 def drawn(page):
     """Waits until the requested change has been drawn: the frame requested before this one, and this one."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")

@@ -10,7 +10,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drawn, drop, drop_robot, explorer, needs_page, same, shot, table_of, with_page, without, zipped
+from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drawn, drop, drop_robot, explorer, has_table, needs_page, same, shot, table_of, with_page, without, zipped
 from playwright.sync_api import expect
 from scipy.linalg import expm
 
@@ -38,7 +38,7 @@ def test_every_own_robot_has_the_table_of_the_command_line(explorer):
     expect(page.locator("#dh tbody tr").first).to_be_visible()
     for robot in OWN:
         drop(page, WORKSPACE / robot)
-        page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=robot.name)
+        has_table(page, robot.name)
         expected = json.loads(cli("table", robot, "--json"))
         # Sines and cosines differ in the last place between the platforms' libraries.
         same(without(table_of(page), "source"), without(expected, "source"), 1e-13)
@@ -73,7 +73,7 @@ def test_sliders_move_picture_and_tip_to_where_forward_kinematics_says(explorer)
     page = explorer()
     for robot in (UR5E, ROBOTS / "denso/hsr065_screw_spline.urdf", ROBOTS / "kuka/kr16_2_on_rail.urdf", ROBOTS / "robotiq/2f_85.urdf", ROBOTS / "unimation/puma560_actual_poe.csv"):
         drop(page, robot)
-        page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=robot.name)
+        has_table(page, robot.name)
         sliders = page.locator("input[data-joint]")
         for index in range(sliders.count()):
             sliders.nth(index).evaluate(
@@ -641,7 +641,7 @@ def test_vendors_robots_have_the_tables_of_the_command_line(explorer):
         if listed.returncode != 0 or file.stat().st_size > 2 << 20:
             continue
         drop(page, file)
-        page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=file.name)
+        has_table(page, file.name)
         same(without(table_of(page), "source"), without(json.loads(cli("table", file, "--json")), "source"), 1e-12)
         seen += 1
     print(f"{seen} vendors' robots")

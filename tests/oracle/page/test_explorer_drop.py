@@ -7,7 +7,7 @@ import http.server
 import threading
 
 import pytest
-from explorer_page import DESKTOP, PAGE, UR5E, browser, explorer, needs_page, zipped
+from explorer_page import DESKTOP, PAGE, UR5E, browser, explorer, has_table, needs_page, zipped
 from playwright.sync_api import expect
 from test_explorer_view import robot_of, stl_binary
 
@@ -72,16 +72,13 @@ ARM = {
 }
 
 
-SHOWN = "name => window.denavit.app.robot?.file.endsWith(name) && window.denavit.app.table"
-
-
 def test_a_dragged_file_opens_and_a_dragged_folder_with_its_meshes(opened, tmp_path):
     page, frame = opened
     drag(page, UR5E)
     expect(frame.locator("#dh tbody tr")).to_have_count(8)
     expect(frame.locator(".said.wrong")).to_have_count(0)
     drag(page, write(tmp_path, ARM) / "ws")
-    frame.wait_for_function(SHOWN, arg="arm.urdf")
+    has_table(frame, "ws/arm_checkout/urdf/arm.urdf")
     assert frame.evaluate("() => window.denavit.app.view.missing") == []
     # No message calls a drawn mesh missing, although the folder and its package have different names.
     expect(frame.locator("#download-urdf, #clean")).to_have_count(1)
@@ -126,7 +123,7 @@ def test_a_mesh_is_the_file_that_its_name_means(explorer, tmp_path):
     for case, (files, mesh, missing) in MESHES.items():
         robot = f"{case.replace(' ', '_')}.urdf"
         drag(page, write(tmp_path / case, {f"top/{name}": content for name, content in {**files, robot: robot_of([mesh])}.items()}) / "top")
-        page.wait_for_function(SHOWN, arg=robot)
+        has_table(page, f"top/{robot}")
         assert page.evaluate("() => window.denavit.app.view.missing") == [mesh] * missing, case
 
 
@@ -142,8 +139,7 @@ def test_models_in_other_formats_are_dragged(explorer, tmp_path):
     page = explorer()
     for name, model in MODELS.items():
         drag(page, write(tmp_path, {name: model}) / name)
-        page.wait_for_function(SHOWN, arg=name)
-        expect(page.locator("#dh tbody tr").first).to_be_visible()
+        has_table(page, name)
         expect(page.locator(".said.wrong")).to_have_count(0)
 
 

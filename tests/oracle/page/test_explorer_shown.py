@@ -4,7 +4,7 @@ import math
 import struct
 
 import pytest
-from explorer_page import ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, has_table, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -17,7 +17,7 @@ def test_the_chain_box_names_the_chain_of_the_table(explorer):
     page.click("#example")
     for robot in sorted(ROBOTS.rglob("*.urdf")):
         drop(page, robot)
-        page.wait_for_function("name => window.denavit.app.robot?.file === name && window.denavit.app.table", arg=robot.name)
+        has_table(page, robot.name)
         drawn(page)
         table = page.evaluate("() => { const { base, tip } = window.denavit.app.table; return `${base} → ${tip}`; }")
         shown = page.locator("#chain").evaluate("box => box.selectedOptions[0].textContent")

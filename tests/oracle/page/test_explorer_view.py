@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, browser, cli, denavit, drop, drop_robot, explorer, needs_page, shot, with_page, zipped
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, browser, cli, denavit, drop, drop_robot, explorer, has_table, needs_page, shot, with_page, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page
@@ -99,7 +99,7 @@ def test_frames_of_a_finger_are_as_large_as_a_finger_and_a_hand_fills_the_view(e
     root = re.search(r'<link name="([^"]+)"', text).group(1)
     boom = f'<link name="ground"/><joint name="boom" type="revolute"><origin xyz="20 0 20"/><parent link="ground"/><child link="{root}"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>'
     drop(page, ("boom.urdf", text.replace("</robot>", boom).encode()))
-    page.wait_for_function("() => window.denavit.app.robot?.file === 'boom.urdf' && window.denavit.app.table")
+    has_table(page, "boom.urdf")
     beside = page.evaluate(SIZES)
     assert beside["reach"] > 10 and beside["axis"] < 0.05
 

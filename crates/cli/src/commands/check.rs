@@ -10,7 +10,7 @@ use crate::output::{self, Status};
 use crate::source;
 use baseline::{Known, Recorded};
 use denavit_compare::lint::{self, srdf};
-use denavit_compare::report::{self, FileInventory, Report};
+use denavit_compare::report::{FileInventory, Report};
 use denavit_load::{CheckOptions, LoadError, Project, ProjectRobot, Rules, UrdfText};
 use denavit_model::Robot;
 use fixed::Fixed;
@@ -142,13 +142,7 @@ fn report(
         inventories: &inventories,
         known: baseline.map(|_| known),
     };
-    let rendered =
-        |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(&found));
-    let own = || match arguments.format.as_str() {
-        "text" => Ok(delivery.sentences(report::text(&found, delivery.colour()))),
-        name => rendered(name),
-    };
-    delivery.deliver(own, || rendered("json"))?;
+    delivery.report(&arguments.format, &found)?;
     if let (Some((_, path)), true) = (baseline, gone > 0) {
         let path = path.display();
         output::mention(format!(

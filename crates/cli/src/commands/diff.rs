@@ -7,7 +7,7 @@ use crate::delivery::Delivery;
 use crate::failure::Failure;
 use crate::output::Status;
 use crate::source;
-use denavit_compare::report::{self, Report};
+use denavit_compare::report::Report;
 use denavit_compare::{Options, Range, Scope, Verdict, compare};
 use denavit_load::Project;
 use std::path::Path;
@@ -21,18 +21,8 @@ pub fn run(arguments: &DiffArguments) -> Result<Status, Failure> {
     let robots = source::load_all(&[&arguments.a, b], &arguments.source)?;
     let comparison = compare(&robots[0].subject(&arguments.a), &robots[1].subject(b), &options)?;
     let found = Report::Comparison(&comparison);
-    deliver(&delivery, &arguments.format, &found)?;
+    delivery.report(&arguments.format, &found)?;
     Ok(if comparison.verdict == Verdict::Different { Status::Different } else { Status::Same })
-}
-
-fn deliver(delivery: &Delivery, format: &str, found: &Report) -> Result<(), Failure> {
-    let rendered =
-        |name: &str| Ok((report::format(name).expect("the argument parser knows the formats").render)(found));
-    let own = || match format {
-        "text" => Ok(delivery.sentences(report::text(found, delivery.colour()))),
-        name => rendered(name),
-    };
-    delivery.deliver(own, || rendered("json"))
 }
 
 fn options(arguments: &DiffArguments) -> Result<Options, Failure> {

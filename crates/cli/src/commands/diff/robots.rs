@@ -1,6 +1,5 @@
 //! `denavit diff --robots`: every robot of a repository, as it was and as it is.
 
-use super::deliver;
 use crate::args::DiffArguments;
 use crate::delivery::Delivery;
 use crate::failure::Failure;
@@ -43,7 +42,7 @@ pub fn run(arguments: &DiffArguments, options: &Options) -> Result<Status, Failu
     if let Some(folder) = folder.filter(|_| !work.files.is_empty()) {
         folder.write(&work.files, [])?;
     }
-    deliver(&delivery, &arguments.format, &Report::Robots(&robots))?;
+    delivery.report(&arguments.format, &Report::Robots(&robots))?;
     let counts = robots.count();
     Ok(match (counts.unreadable, counts.different) {
         (0, 0) => Status::Same,
