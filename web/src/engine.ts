@@ -174,8 +174,11 @@ let compiling: Promise<WebAssembly.Module> | undefined;
 async function compiled(): Promise<WebAssembly.Module> {
     const element = document.getElementById("engine");
     if (!element?.textContent) throw new Error("this page was built without its engine; run web/build");
-    const packed = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+    const letters = atob(element.textContent);
     element.remove();
+    // A loop: `Uint8Array.from` takes 0.3 s for these three million.
+    const packed = new Uint8Array(letters.length);
+    for (let at = 0; at < packed.length; at++) packed[at] = letters.charCodeAt(at);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
     return WebAssembly.compile(await new Response(stream).arrayBuffer());
 }

@@ -5,6 +5,7 @@ import logging
 import os
 import sys
 import warnings
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,17 @@ from kinematics import ACTUATED, Tree  # noqa: E402
 VECTORS = int(os.environ.get("DENAVIT_EXPORT_VECTORS", "10"))
 
 
+# Both exports of a file are compared one after the other: the original is read once.
+@lru_cache(maxsize=1)
+def tree_of(path):
+    return Tree(path)
+
+
+@lru_cache(maxsize=1)
+def original_by_yourdfpy(path):
+    return Yourdfpy(path)
+
+
 def quiet():
     """Silences the C++ libraries, which complain on standard error about files whose errors are recorded anyway."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
@@ -26,9 +38,10 @@ def quiet():
     warnings.simplefilter("ignore")
 
 
+@lru_cache(maxsize=1)
 def vectors(path, count=VECTORS):
     """Joint values by name, drawn within the limits of the original file."""
-    tree = Tree(path)
+    tree = tree_of(path)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(Path(path).read_bytes()).digest()[:8], "big"))
     drivers = [joint for joint in tree.joints if joint.kind in ACTUATED]
     return [{joint.name: float(rng.uniform(*span(joint))) for joint in drivers} for _ in range(count)]
@@ -36,7 +49,7 @@ def vectors(path, count=VECTORS):
 
 def slides_by_its_length(path):
     """yourdfpy moves a slide by the axis as written, without normalizing: in such files its motion differs from URDF."""
-    return any(j.kind == "prismatic" and abs(np.linalg.norm(j.axis) - 1) > 1e-12 for j in Tree(path).joints)
+    return any(j.kind == "prismatic" and abs(np.linalg.norm(j.axis) - 1) > 1e-12 for j in tree_of(path).joints)
 
 
 class Yourdfpy:
@@ -99,7 +112,7 @@ def stacked(robot, links, rigid):
 
 def by_yourdfpy(original, exported, frames_too):
     """(largest difference relative to the robot's size, of tensors relative to themselves, of masses)."""
-    before, after = Yourdfpy(original), Yourdfpy(exported)
+    before, after = original_by_yourdfpy(original), Yourdfpy(exported)
     links = list(before.robot.link_map)
     rigid = set(links) if frames_too else fixed_leaves(original)
     what, one, inertia = stacked(before, links, rigid)
@@ -134,7 +147,7 @@ def by_yourdfpy(original, exported, frames_too):
 
 def fixed_leaves(path):
     """Links on fixed joints that carry nothing: they keep their frames."""
-    tree = Tree(path)
+    tree = tree_of(path)
     return {link for link in tree.leaves if link in tree.above and tree.above[link].kind == "fixed"}
 
 
@@ -222,8 +235,13 @@ def compare(before, after, found):
 
 
 def examine(task):
-    """One file: (source, original, results of the comparisons, or the reason for having none)."""
-    original, exported, frames_too = task
+    """One file with its exports, each as (file, whether it keeps the frames of links): what `compared` says of each."""
+    original, exports = task
+    return [compared(original, *export) for export in exports]
+
+
+def compared(original, exported, frames_too):
+    """Results of the comparisons, or the reason for having none."""
     result = {"file": str(original)}
     if not Path(exported).exists():
         return result | {"refused": True}

@@ -1,4 +1,4 @@
-"""The explorer in headless Chromium, and the helpers of its tests."""
+"""Helpers for tests of the explorer in headless Chromium; conftest.py opens it."""
 
 import io
 import json
@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from built import denavit
@@ -22,9 +22,6 @@ ROBOTS = WORKSPACE / "robots"
 VENDOR = WORKSPACE.parent / "shared/vendor"
 SHOTS = WORKSPACE / "target/tests/explorer"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-# SwiftShader draws WebGL, without smoothed edges, and the processor draws the page directly: with SwiftShader that takes twice as long.
-FLAGS = """--no-sandbox --disable-gpu-compositing --disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync
---use-angle=swiftshader --enable-unsafe-swiftshader --ignore-gpu-blocklist --webgl-antialiasing-mode=none""".split()
 LARGE = tempfile.TemporaryDirectory()
 DESKTOP = {"width": 1360, "height": 860}
 PHONE = {"width": 360, "height": 740}
@@ -32,47 +29,11 @@ PHONE = {"width": 360, "height": 740}
 expect.set_options(timeout=60_000)
 UR5E = ROBOTS / "universal_robots/ur5e.urdf"
 
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)")
 needs_page = [
-    pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)"),
+    needs_chromium,
     pytest.mark.skipif(not PAGE.is_file(), reason="skipped, because web/dist/explorer.html is not built (web/build)"),
 ]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=120_000)
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture
-def explorer(browser):
-    """Opens the explorer; at the end it must have requested only itself, and have written nothing to the console."""
-    console, asked, contexts = [], [], []
-
-    def open_page(address=PAGE.as_uri(), size=DESKTOP, theme="light"):
-        context = browser.new_context(viewport=size, color_scheme=theme, accept_downloads=True)
-        page = context.new_page()
-        page.set_default_timeout(120_000)
-        page.on("console", lambda message: console.append(message.text))
-        page.on("pageerror", lambda error: console.append(str(error)))
-        page.on("dialog", lambda dialog: console.append(f"dialog: {dialog.message}"))
-        context.on("request", lambda request: asked.append(request.url))
-        page.goto(address)
-        contexts.append(context)
-        return page
-
-    yield open_page
-    # Messages of the graphics emulation, and of a library on a mesh file's version and axes, are not the page's.
-    others = ("GPU stall", "GL Driver", "THREE.ColladaLoader: ")
-    said = [words for words in console if not any(other in words for other in others)]
-    assert said == [], said
-    strangers = [url for url in asked if not url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))]
-    assert strangers == [], strangers
-    assert sum(url.startswith(("file:", "http:")) for url in asked) == len(contexts), asked
-    for context in contexts:
-        context.close()
 
 
 def cli(*arguments, codes=(0,)):

@@ -10,7 +10,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, browser, cli, complains, denavit, downloaded, drawn, drop, drop_robot, explorer, has_table, needs_page, same, shot, table_of, with_page, without, zipped
+from explorer_page import DESKTOP, PAGE, PHONE, ROBOTS, UR5E, VENDOR, WORKSPACE, cli, complains, denavit, downloaded, drawn, drop, drop_robot, has_table, needs_page, same, shot, table_of, with_page, without, zipped
 from playwright.sync_api import expect
 from scipy.linalg import expm
 

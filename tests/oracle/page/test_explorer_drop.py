@@ -7,7 +7,7 @@ import http.server
 import threading
 
 import pytest
-from explorer_page import DESKTOP, PAGE, UR5E, browser, explorer, has_table, needs_page, zipped
+from explorer_page import DESKTOP, PAGE, UR5E, has_table, needs_page, zipped
 from playwright.sync_api import expect
 from test_explorer_view import robot_of, stl_binary
 

@@ -5,7 +5,7 @@ import json
 import subprocess
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, WORKSPACE, browser, cli, complains, denavit, downloaded, drop, drop_robot, explorer, needs_page, same, shot, without, zipped
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, WORKSPACE, cli, complains, denavit, downloaded, drop, drop_robot, needs_page, same, shot, without, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from explorer_page import ROBOTS, UR5E, browser, cli, drawn, drop_robot, explorer, needs_page, shot
+from explorer_page import ROBOTS, UR5E, cli, drawn, drop_robot, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page

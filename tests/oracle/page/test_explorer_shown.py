@@ -4,7 +4,7 @@ import math
 import struct
 
 import pytest
-from explorer_page import ROBOTS, UR5E, browser, drawn, drop, drop_robot, explorer, has_table, needs_page, shot
+from explorer_page import ROBOTS, UR5E, drawn, drop, drop_robot, has_table, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page

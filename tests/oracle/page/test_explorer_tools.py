@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from explorer_page import PAGE, ROBOTS, UR5E, browser, cli, denavit, downloaded, drawn, drop, drop_robot, explorer, needs_page, shot
+from explorer_page import PAGE, ROBOTS, UR5E, cli, denavit, downloaded, drawn, drop, drop_robot, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page

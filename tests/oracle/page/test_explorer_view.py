@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, browser, cli, denavit, drop, drop_robot, explorer, has_table, needs_page, shot, with_page, zipped
+from explorer_page import DESKTOP, PHONE, ROBOTS, UR5E, VENDOR, cli, denavit, drop, drop_robot, has_table, needs_page, shot, with_page, zipped
 from playwright.sync_api import expect
 
 pytestmark = needs_page

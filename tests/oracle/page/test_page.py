@@ -6,34 +6,20 @@ The pages, and the poses from `Chain::fk` for a few postures, are written by cra
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import sync_playwright
+from explorer_page import WORKSPACE, needs_chromium
 
-WORKSPACE = Path(__file__).resolve().parents[3]
 PAGES = WORKSPACE / "target/oracle/pages"
 DRIVER = Path(__file__).with_name("driver.js").read_text()
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 NAMES = sorted(path.stem for path in PAGES.glob("*.json"))
 DESKTOP = {"width": 1280, "height": 900}
 PHONE = {"width": 390, "height": 844}
-FLAGS = """--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update
---disable-sync""".split()
 
-needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="skipped, because Chromium is not installed (apt-get install chromium)")
 needs_pages = pytest.mark.skipif(
-    not NAMES, reason="skipped, because target/oracle/pages is empty (cargo test -p denavit-export --test page_written)"
+    not NAMES, reason="skipped, because target/oracle/pages is empty (cargo test -p denavit-export --test export page_written)"
 )
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, timeout=120_000)
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture

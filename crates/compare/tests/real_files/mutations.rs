@@ -6,8 +6,8 @@ use crate::support::{as_written, harmless, real, vendor};
 use denavit_compare::{Options, Subject, Verdict, compare, fingerprint_as};
 use denavit_model::{Reading, Robot};
 
-/// Edits of each sort per robot, and robots of our own that there must be at least.
-const EDITS: usize = 20;
+/// Edits of each sort per robot, at least one of each kind where it can be made; and robots of our own that there must be at least.
+const EDITS: usize = 10;
 const OWN: usize = 12;
 
 /// Robots with a joint that moves, each read back from what is written of it: our own, and the corpus where it is there.
