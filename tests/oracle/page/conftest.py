@@ -35,7 +35,6 @@ class Opened:
         self.console.clear()
         self.asked.clear()
         self.page.goto(address)
-        return self.page
 
 
 @pytest.fixture(scope="session")
@@ -45,18 +44,30 @@ def unused():
 
 
 @pytest.fixture
-def explorer(browser, unused):
-    """Opens the explorer; at the end it must have requested only itself, and have written nothing to the console."""
+def opener(browser, unused):
+    """Opens an address in a page that no other test uses; and what it has opened."""
     used = []
 
-    def open_page(address=PAGE.as_uri(), size=DESKTOP, theme="light"):
+    def open_page(address, size, theme="light"):
         key = (size["width"], size["height"], theme)
         kept = unused.setdefault(key, [])
         opened = kept.pop() if kept else Opened(browser, size, theme)
         used.append((key, opened))
-        return opened.goto(address)
+        opened.goto(address)
+        return opened.page
 
-    yield open_page
+    yield open_page, used
+    for key, opened in used:
+        # The same file with another posture after the # would not be loaded again.
+        opened.page.goto("about:blank")
+        unused[key].append(opened)
+
+
+@pytest.fixture
+def explorer(opener):
+    """Opens the explorer; at the end it must have requested only itself, and have written nothing to the console."""
+    open_page, used = opener
+    yield lambda address=PAGE.as_uri(), size=DESKTOP, theme="light": open_page(address, size, theme)
     # Messages of the graphics emulation, and of a library on a mesh file's version and axes, are not the page's.
     others = ("GPU stall", "GL Driver", "THREE.ColladaLoader: ")
     said = [words for _, opened in used for words in opened.console if not any(other in words for other in others)]
@@ -65,7 +76,3 @@ def explorer(browser, unused):
     strangers = [url for url in asked if not url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))]
     assert strangers == [], strangers
     assert sum(url.startswith(("file:", "http:")) for url in asked) == len(used), asked
-    for key, opened in used:
-        # A page of the same file at another posture is not loaded again.
-        opened.page.goto("about:blank")
-        unused[key].append(opened)

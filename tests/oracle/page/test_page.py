@@ -23,26 +23,13 @@ needs_pages = pytest.mark.skipif(
 
 
 @pytest.fixture
-def opened(browser):
+def opened(opener):
     """Opens a page in a window of a size; at the end of the test it must have requested nothing and written nothing."""
-    console, asked = [], []
-    pages = []
-
-    def open_page(address, size):
-        page = browser.new_page(viewport=size)
-        page.set_default_timeout(120_000)
-        page.on("console", lambda message: console.append(message.text))
-        page.on("pageerror", lambda error: console.append(str(error)))
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(address)
-        pages.append(page)
-        return page
-
+    open_page, used = opener
     yield open_page
-    assert console == []
-    assert len(asked) == len(pages), asked
-    for page in pages:
-        page.close()
+    assert [words for _, page in used for words in page.console] == []
+    asked = [url for _, page in used for url in page.asked]
+    assert len(asked) == len(used), asked
 
 
 def farthest(found, expected):
