@@ -63,7 +63,7 @@ fn the_papers_table_i_is_a_source() {
 }
 
 #[test]
-fn messages_name_the_trouble_and_the_mend() {
+fn messages_name_the_error_and_the_fix() {
     let ur5e = robot("universal_robots/ur5e.urdf");
     let check = |arguments: &[&str], expected: &str| {
         let message = denavit(arguments).failed().replace(&ur5e, "ur5e.urdf");
@@ -187,7 +187,7 @@ fn intended_angles_are_listed_and_can_be_switched_off() {
 }
 
 #[test]
-fn a_robot_that_is_not_the_vendors_is_told_apart_by_row_and_number() {
+fn a_robot_that_is_not_the_vendors_is_distinguished_by_row_and_number() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("other.csv");
     let text = std::fs::read_to_string(robot("unimation/puma560_dh.csv")).unwrap();

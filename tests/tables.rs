@@ -87,7 +87,7 @@ const PANDA: &str = "Joint,a (m),d (m),alpha (rad),theta (rad)\nJoint 1,0,0.333,
                      Joint 7,0.088,0,π/2,θ7\nFlange,0,0.107,0,0\n";
 
 #[test]
-fn a_convention_that_nobody_states_is_tried_and_told() {
+fn an_unstated_convention_is_tried_and_reported() {
     let folder = Folder::new();
     let file = folder.file("panda.csv", PANDA);
     let panda = robot("franka/panda.urdf");

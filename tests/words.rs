@@ -83,6 +83,10 @@ const BANNED_NAMES: &[&str] = &[
     "wish",
 ];
 
+/// Words that no function has in its name, tests included.
+const BANNED_WORDS_OF_FUNCTIONS: &[&str] =
+    &["anew", "mend", "mended", "mending", "mends", "settle", "told", "trouble", "troubles"];
+
 /// Type names that describe what happens to the value: allowed only as names of values.
 const BANNED_TYPES: &[&str] = &["Asked", "Ground", "Held", "Taken", "Way"];
 
@@ -227,6 +231,34 @@ fn what_people_read_is_in_plain_words() {
     }
     assert!(words > 100_000, "{words} words were looked at");
     assert!(wrong.is_empty(), "{} places:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn functions_have_plain_names() {
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for folder in ["benches", "crates", "python", "tests"] {
+        for path in own_files(&top().join(folder), &[".rs", ".py"], &[]) {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let names = text.lines().filter_map(|line| {
+                let (before, name) = line.split_once("fn ").or_else(|| line.split_once("def "))?;
+                let is_code = before
+                    .trim()
+                    .split(' ')
+                    .all(|word| word.is_empty() || word.starts_with("pub") || ["async", "const"].contains(&word));
+                is_code.then(|| {
+                    name.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default().to_owned()
+                })
+            });
+            for name in names {
+                count += 1;
+                if name.split('_').any(|word| BANNED_WORDS_OF_FUNCTIONS.contains(&word)) {
+                    wrong.push(format!("{}: {name}", path.strip_prefix(top()).unwrap().display()));
+                }
+            }
+        }
+    }
+    assert!(count > 5000, "{count} functions were looked at");
+    assert!(wrong.is_empty(), "{} names:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 #[test]

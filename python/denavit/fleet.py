@@ -169,7 +169,7 @@ def _dealt(ledger: _denavit.FleetLedger, deal: _Deal, tell: Callable[[int, int, 
         why = "calibrations of its siblings were lost; run it again"
         lost.extend(Failed(serial, date, task, why) for serial, date, task in later)
     elif later:
-        ledger.go_on()
+        ledger.resume()
         jobs = ledger.jobs()
         ended = ledger.entries - len(jobs)
         through(jobs)

@@ -119,10 +119,10 @@ impl FleetLedger {
     }
 
     /// Learns what siblings share, once all jobs are kept; `jobs` then has those that continue from it.
-    fn go_on(&self, py: Python<'_>) -> PyResult<()> {
+    fn resume(&self, py: Python<'_>) -> PyResult<()> {
         let mut ledger = self.ledger.lock().expect("writing does not panic");
         let ledger = ledger.as_mut().ok_or_else(closed)?;
-        let next = py.detach(|| ledger.go_on()).map_err(|failure| fleet(&failure))?;
+        let next = py.detach(|| ledger.resume()).map_err(|failure| fleet(&failure))?;
         *self.jobs.lock().expect("reading does not panic") = next;
         Ok(())
     }

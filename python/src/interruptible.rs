@@ -21,9 +21,9 @@ pub fn interruptible<T: Send + 'static, R: Send + 'static>(
     work: impl FnOnce(&Tell<T>) -> R + Send + 'static,
     mut hear: impl FnMut(T) -> PyResult<()>,
 ) -> PyResult<R> {
-    let (tell, told) = mpsc::channel();
+    let (tell, heard) = mpsc::channel();
     // Behind a lock, as only then may another thread wait for it while the interpreter continues.
-    let told = Mutex::new(told);
+    let heard = Mutex::new(heard);
     let worker = std::thread::spawn(move || {
         work(&move |what| match tell.send(what) {
             Ok(()) => ControlFlow::Continue(()),
@@ -32,7 +32,7 @@ pub fn interruptible<T: Send + 'static, R: Send + 'static>(
     });
     let mut wait = || {
         loop {
-            let next = py.detach(|| told.lock().expect("receiving does not panic").recv_timeout(PATIENCE));
+            let next = py.detach(|| heard.lock().expect("receiving does not panic").recv_timeout(PATIENCE));
             py.check_signals()?;
             match next {
                 Ok(what) => hear(what)?,

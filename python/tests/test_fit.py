@@ -77,7 +77,7 @@ def test_a_fit_says_what_the_command_says(geometric: dn.Fit) -> None:
     assert "noise floor" in repr(geometric)
 
 
-def test_an_earlier_fit_is_gone_on_from(drawn: dn.Chain, geometric: dn.Fit, tmp_path: Path) -> None:
+def test_an_earlier_fit_is_continued(drawn: dn.Chain, geometric: dn.Fit, tmp_path: Path) -> None:
     run = drawn.simulate(8, seed=4, test=30)
     assert run.test is not None
     before = dn.calibrate(drawn, drawn.simulate(60, seed=4).data, effects=None)
@@ -97,7 +97,7 @@ def test_an_earlier_fit_is_gone_on_from(drawn: dn.Chain, geometric: dn.Fit, tmp_
         dn.calibrate(before.chain, run.data, effects=None, prior=before)
 
 
-def test_the_curves_of_an_earlier_fit_go_on(drawn: dn.Chain, tmp_path: Path) -> None:
+def test_the_curves_of_an_earlier_fit_are_continued(drawn: dn.Chain, tmp_path: Path) -> None:
     effect = ["transmission_error@elbow_joint:order=3=0.4mm"]
     first = drawn.simulate(q=drawn.sample(300, seed=11), seed=5, effect=effect, geometry_error=(0.0, 0.0))
     before = dn.calibrate(drawn, first.data, effects="curves")
@@ -390,7 +390,7 @@ def test_errors_name_file_line_and_hint(drawn: dn.Chain) -> None:
         dn.calibrate(drawn, tracker(), test=tracker())
 
 
-def test_poses_settle_what_a_fit_left_open(drawn: dn.Chain) -> None:
+def test_poses_distinguish_what_a_fit_could_not(drawn: dn.Chain) -> None:
     run = drawn.simulate(60, seed=5, effect=["joint_compliance@elbow_joint=0.05mm"])
     fit = dn.calibrate(drawn, run.data)
     chosen = drawn.plan(6, tell_apart=fit, spread=100)
@@ -429,7 +429,7 @@ def test_plans_are_poses_to_simulate_at(drawn: dn.Chain) -> None:
             drawn.simulate(**wrong)  # type: ignore[arg-type]
 
 
-def test_progress_is_told_and_what_it_raises_ends_the_fit(drawn: dn.Chain) -> None:
+def test_progress_is_reported_and_what_it_raises_ends_the_fit(drawn: dn.Chain) -> None:
     told: list[str] = []
     dn.calibrate(drawn, tracker(), progress=told.append)
     assert told == ["geometry", "effects", "judgement"]

@@ -45,7 +45,7 @@ def test_the_store_says_what_calibrate_says(manifest: Path, chain: dn.Chain) -> 
     assert (again.done, again.known, again.ok) == (1, 6, False)
 
 
-def test_a_run_that_is_broken_off_goes_on(manifest: Path) -> None:
+def test_an_interrupted_run_is_continued(manifest: Path) -> None:
     def enough(ended: int, entries: int, serial: str) -> None:
         raise KeyError(serial)
 

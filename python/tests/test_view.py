@@ -136,9 +136,9 @@ def test_views_of_an_executed_notebook_in_a_browser(theme: str, browser: Any, ou
     page = context.new_page()
     page.set_default_timeout(60_000)
     asked: list[str] = []
-    troubles: list[str] = []
+    errors: list[str] = []
     context.on("request", lambda request: asked.append(request.url))
-    page.on("pageerror", lambda error: troubles.append(str(error)))
+    page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(document.as_uri())
     robot, diff, fit, itself = (page.frame_locator(f"iframe >> nth={index}") for index in range(4))
     robot.locator("#dh tbody tr").first.wait_for()
@@ -154,6 +154,6 @@ def test_views_of_an_executed_notebook_in_a_browser(theme: str, browser: Any, ou
     shots = TOP / "target/tests/notebook"
     shots.mkdir(parents=True, exist_ok=True)
     page.screenshot(path=str(shots / f"{theme}.png"), full_page=True)
-    assert troubles == []
+    assert errors == []
     assert [url for url in asked if not url.startswith(("file:", "blob:", "data:", "about:"))] == []
     context.close()

@@ -204,11 +204,11 @@ fn an_averaged_prediction_says_what_it_takes_at_its_average() {
     let (folder, report) = calibrated("thermal@elbow_joint=0.4mm", "temperature", "auto");
     assert_eq!(report["adopted"], "averaged");
     let (effects, ur5e) = (folder.path("effects.json"), ur5e());
-    let told = denavit(&["fk", &ur5e, "--effects", &effects]);
+    let done = denavit(&["fk", &ur5e, "--effects", &effects]);
     assert!(
-        told.stderr.contains("the average of the fitted rows for \"temperature\"; set a value with --given"),
+        done.stderr.contains("the average of the fitted rows for \"temperature\"; set a value with --given"),
         "{}",
-        told.stderr
+        done.stderr
     );
     let at = |given: &str| tip(&[&ur5e, "--effects", &effects, "--given", given]);
     assert!(apart(&at("temperature=20"), &at("temperature=28")) > 1e-5);

@@ -236,7 +236,7 @@ fn orientations_in_other_forms_are_the_same_poses() {
 }
 
 #[test]
-fn bad_exports_get_one_message_with_place_and_mend() {
+fn bad_exports_get_one_message_with_place_and_fix() {
     let room = Room::new();
     let (names, rows) = room.own();
     let good = table(&names, &rows, ";", plain);

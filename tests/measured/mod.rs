@@ -104,7 +104,7 @@ fn plans_simulations_and_counts() {
 }
 
 #[test]
-fn a_measurement_file_is_asked_what_it_can_tell() {
+fn identify_says_what_a_measurement_file_can_determine() {
     let file = robot("universal_robots/ur5e_tracker.csv");
     let found = json(&denavit(&["identify", &ur5e(), "--data", &file, "--json"]).succeeded());
     assert_eq!(found["rows"], 120);

@@ -58,7 +58,7 @@ def span(joint):
 
 def chains(tree):
     """([(base, tip)], [(tip, error)]): up to CHAINS leaves, one for each set of driving joints first."""
-    found, troubles = [], []
+    found, errors = [], []
     for root in tree.roots:
         for leaf in tree.leaves:
             try:
@@ -72,7 +72,7 @@ def chains(tree):
             try:
                 drivers = tree.drivers(base, leaf)
             except ValueError as error:
-                troubles.append((leaf, reason(error)))
+                errors.append((leaf, reason(error)))
                 continue
             if drivers:
                 found.append((tuple(drivers), base, leaf))
@@ -80,7 +80,7 @@ def chains(tree):
     for drivers, base, leaf in found:
         (others if drivers in seen else firsts).append((base, leaf))
         seen.add(drivers)
-    return (firsts + others)[:CHAINS], troubles
+    return (firsts + others)[:CHAINS], errors
 
 
 class Yourdfpy:
@@ -146,8 +146,8 @@ def records(path):
                 lines.append({"file": str(path), "refused": reason(error)})
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(path.read_bytes()).digest()[:8], "big"))
     drivers = [joint for joint in tree.joints if joint.kind in ACTUATED and joint.mimic is None]
-    pairs, troubles = chains(tree)
-    lines += [{"file": str(path), "tip": tip, "skipped": trouble} for tip, trouble in troubles]
+    pairs, errors = chains(tree)
+    lines += [{"file": str(path), "tip": tip, "skipped": error} for tip, error in errors]
     if not pairs:
         lines.append({"file": str(path), "skipped": "no joint moves" if tree.roots or not tree.links else "no root link"})
     for _ in range(VECTORS if pairs else 0):

@@ -91,11 +91,11 @@ def test_chain_below_a_floating_joint_starts_at_its_child(tmp_path):
     assert chains(Tree(path)) == ([("b", "d")], [])
 
 
-def test_mimic_of_a_missing_joint_or_of_itself_is_a_trouble_and_not_a_pose(tmp_path):
+def test_mimic_of_a_missing_joint_or_of_itself_is_an_error_and_not_a_pose(tmp_path):
     for driver in ("nobody", "k"):
         joints = joint("j", "continuous", "a", "b") + joint("k", "continuous", "b", "c", f'<mimic joint="{driver}"/>')
-        pairs, troubles = chains(Tree(robot(tmp_path, joints)))
-        assert pairs == [] and len(troubles) == 1 and troubles[0][0] == "c"
+        pairs, errors = chains(Tree(robot(tmp_path, joints)))
+        assert pairs == [] and len(errors) == 1 and errors[0][0] == "c"
 
 
 def test_values_come_from_the_limits_kept_to_a_turn_and_ten_metres(tmp_path):

@@ -92,7 +92,7 @@ fn residuals_of_every_row_are_a_table_of_their_own() {
 }
 
 #[test]
-fn a_few_new_poses_go_on_from_an_earlier_calibration() {
+fn a_few_new_poses_continue_an_earlier_calibration() {
     let trial = Trial::new().with_robot("arm.urdf", "universal_robots/ur5e.urdf");
     trial.run("simulate arm.urdf --rows 40 --seed 5 -o first.csv --test later.csv").succeeded();
     trial.run("calibrate arm.urdf --data first.csv --effects none --json before.json --urdf now.urdf").succeeded();
@@ -113,7 +113,7 @@ fn a_few_new_poses_go_on_from_an_earlier_calibration() {
 }
 
 #[test]
-fn what_a_run_left_open_is_planned_for() {
+fn poses_are_planned_for_what_a_run_cannot_distinguish() {
     let trial = Trial::new();
     let effect = "--effect backlash@elbow_joint=0.04mm";
     trial.run(&format!("simulate arm.urdf --rows 60 --seed 5 -o run.csv {effect}")).succeeded();

@@ -99,7 +99,7 @@ fn gravity_and_links_stand_where_the_chain_does() {
 }
 
 #[test]
-fn a_fit_that_did_not_settle_is_no_result() {
+fn a_fit_that_did_not_converge_is_no_result() {
     let (_, chain) = arm();
     let rows: Vec<String> = (0..40u32)
         .map(|k| {

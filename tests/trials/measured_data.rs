@@ -118,7 +118,7 @@ fn a_posture_is_fitted_or_judges_and_never_both() {
 }
 
 #[test]
-fn a_joint_that_counts_from_another_zero_is_gone_on_with_at_every_number_of_rows() {
+fn a_joint_that_counts_from_another_zero_is_corrected_at_every_number_of_rows() {
     let trial = Trial::new();
     let text = simulated(&trial, "--rows 200 --seed 6");
     let (names, rows) = cells(&text);
@@ -150,7 +150,7 @@ fn a_joint_that_counts_from_another_zero_is_gone_on_with_at_every_number_of_rows
 }
 
 #[test]
-fn two_joints_that_count_from_other_zeros_are_gone_on_with() {
+fn two_joints_that_count_from_other_zeros_are_corrected() {
     let trial = Trial::new();
     let text = simulated(&trial, "--rows 40 --seed 8");
     let text = changed(&text, "elbow_joint", |angle| angle + 0.5 * PI);
@@ -222,7 +222,7 @@ fn the_convention_of_an_orientation_is_proposed() {
 }
 
 #[test]
-fn numbers_beyond_measure_are_one_error() {
+fn numbers_that_are_too_large_are_one_error() {
     let trial = Trial::new();
     let text = simulated(&trial, "--rows 30 --seed 1 --columns temperature,time");
     let (names, rows) = cells(&text);
@@ -300,7 +300,7 @@ fn whatever_is_not_known_is_carried_or_reported_in_every_position() {
 }
 
 #[test]
-fn an_instrument_that_was_placed_anew_before_the_test_is_named() {
+fn an_instrument_that_was_moved_before_the_test_is_named() {
     let trial = Trial::new();
     trial.run("simulate arm.urdf --rows 60 --seed 5 -o run.csv --test later.csv").succeeded();
     let text = changed(&trial.text("later.csv"), "x", |x| x + 0.031);

@@ -4,7 +4,7 @@ use super::Trial;
 use std::collections::BTreeSet;
 
 #[test]
-fn nonsense_is_trouble_in_every_option() {
+fn nonsense_is_an_error_in_every_option() {
     let trial = Trial::new().with("data.csv", "");
     for option in [
         "table arm.urdf --tolerance",
@@ -54,7 +54,7 @@ fn nonsense_is_trouble_in_every_option() {
 }
 
 #[test]
-fn what_is_no_fingerprint_is_trouble_not_a_difference() {
+fn a_text_that_is_no_fingerprint_is_an_error_and_no_difference() {
     let trial = Trial::new();
     let own = trial.run("fingerprint arm.urdf").succeeded();
     assert_eq!(trial.run(&format!("fingerprint arm.urdf --expect {own}")).code, 0);

@@ -40,7 +40,7 @@ fn a_link_stays_and_what_it_leads_to_is_replaced() {
     symlink("arm.urdf", trial.path("link.urdf")).unwrap();
     trial.run("check --fix link.urdf");
     assert!(trial.path("link.urdf").symlink_metadata().unwrap().is_symlink());
-    assert!(!trial.text("arm.urdf").contains("0 0 2"), "mended");
+    assert!(!trial.text("arm.urdf").contains("0 0 2"), "fixed");
     symlink("not_there_yet.txt", trial.path("later")).unwrap();
     trial.run("table arm.urdf -o later").succeeded();
     assert!(trial.text("not_there_yet.txt").contains("elbow_joint"));
@@ -63,7 +63,7 @@ fn owner_and_mode_stay() {
 }
 
 #[test]
-fn a_read_only_file_is_refused_with_the_mend() {
+fn a_read_only_file_is_refused_with_the_fix() {
     let trial = Trial::new().with("table.txt", "old");
     std::fs::set_permissions(trial.path("table.txt"), std::fs::Permissions::from_mode(0o444)).unwrap();
     trial.refuses(

@@ -74,15 +74,15 @@ pub fn run(poses: usize, seed: u64) -> Run {
         stage.test.as_ref().unwrap().of("position").unwrap().rms
     };
     // The true robot in the frame of the fit's report.
-    let told = |result: &Calibration| {
+    let inside = |result: &Calibration| {
         let updated = result.carried.as_ref().map(|carried| &carried.updated);
         let fit = updated.or(result.beyond_geometry()).unwrap();
         let truth = Arm { joints: before.arm.joints.clone(), ..fit.arm.clone() };
         let truth = gauge::centred(&fit.layout, &truth, &fit.arm);
         let [expected, estimated] = [&truth, &fit.arm].map(|arm| fit.layout.difference(arm, &truth));
-        let told: Vec<usize> = fit.layout.joints.clone().filter(|&k| fit.deviation(k) > 1e-12).collect();
-        let inside = told.iter().filter(|&&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95));
-        inside.count() as f64 / told.len() as f64
+        let determined: Vec<usize> = fit.layout.joints.clone().filter(|&k| fit.deviation(k) > 1e-12).collect();
+        let inside = determined.iter().filter(|&&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95));
+        inside.count() as f64 / determined.len() as f64
     };
     Run {
         errors: [
@@ -91,7 +91,7 @@ pub fn run(poses: usize, seed: u64) -> Run {
             rms(&after, "updated"),
             rms(&both, "geometric + curves"),
         ],
-        inside: [told(&first_day), told(&after), told(&both)],
+        inside: [inside(&first_day), inside(&after), inside(&both)],
     }
 }
 

@@ -293,7 +293,7 @@ fn real_rows(path: &str, file: &str, draws: u64) {
             .iter()
             .map(|pose| *offered.iter().find(|row| data.reading(**row) == pose.as_slice()).unwrap())
             .collect();
-        let told = |found: &Calibration| {
+        let result = |found: &Calibration| {
             let later = found.predict(judges.clone()).unwrap();
             let name = |effect: &denavit_calibrate::calibration::contract::EffectEntry| {
                 format!("{} at {}", effect.kind, effect.joint.clone().or(effect.place.clone()).unwrap_or_default())
@@ -305,7 +305,7 @@ fn real_rows(path: &str, file: &str, draws: u64) {
                 later.errors.of("position").unwrap().rms * 1e3
             )
         };
-        println!("draw {seed}: 100 rows {}", told(&found));
+        println!("draw {seed}: 100 rows {}", result(&found));
         println!(
             "  uncertainty {:.3} -> {:.3} mm, {} of {} poses to distinguish causes",
             planned.prospect.unsure.now * 1e3,
@@ -314,7 +314,7 @@ fn real_rows(path: &str, file: &str, draws: u64) {
             planned.poses.len()
         );
         for (name, chosen) in [("chosen", chosen), ("D-optimal", optimal), ("at random", offered[..40].to_vec())] {
-            println!("  {name}: {}", told(&calibrate(chain, statics, rows(&chosen), None, &asked).unwrap()));
+            println!("  {name}: {}", result(&calibrate(chain, statics, rows(&chosen), None, &asked).unwrap()));
         }
     }
 }

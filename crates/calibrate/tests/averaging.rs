@@ -74,7 +74,7 @@ fn every_kind_of_rows_is_predicted_better_than_by_geometry_alone() {
 }
 
 #[test]
-fn what_is_saved_predicts_the_same_and_goes_on_without_what_nobody_records() {
+fn what_is_saved_predicts_the_same_and_does_without_unrecorded_columns() {
     let (train, _) = rows(ObservationKind::Position, 30, 8);
     let result = averaged(train, None);
     let chain = puma_like();

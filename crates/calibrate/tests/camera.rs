@@ -240,7 +240,7 @@ fn every_mistake_in_a_file_of_pixels_is_named() {
 }
 
 #[test]
-fn held_out_images_come_out_at_the_noise() {
+fn residuals_of_held_out_images_are_as_large_as_the_noise() {
     let chain = panda();
     let run = simulate(&chain, &SimulationOptions { rows: 60, ..webcam(false) }, &NoEffects);
     let mut data = run.data;

@@ -85,7 +85,7 @@ fn a_model_goes_to_other_rows_with_its_columns_or_not_at_all() {
 
 #[test]
 #[should_panic(expected = "\"temperature\" was looked up in a run with other columns")]
-fn a_model_that_was_not_bound_anew_is_not_evaluated() {
+fn a_model_that_was_not_bound_again_is_not_evaluated() {
     let run = simulate(&puma_like(), &options(vec![temperature()]), &NoEffects);
     let mut other = run.data.clone();
     other.covariates = vec![column("time", |row| row as f64)].into();

@@ -85,7 +85,7 @@ fn one_column_in_another_unit_is_named() {
 }
 
 #[test]
-fn a_joint_counted_from_the_ground_is_gone_on_with() {
+fn a_joint_counted_from_the_ground_is_corrected() {
     let chain = ur5e();
     let data = each_row(positions(), |row| row[2] += row[1]);
     let result =

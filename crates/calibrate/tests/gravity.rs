@@ -126,12 +126,12 @@ fn zeros_are_found_with_a_telephone_in_the_gripper() {
     let all = IdentifyOptions::zeros(&chain, vec![true; 6]);
     let fit = identify(&chain, &data, &all).geometric;
     let found = fit.layout.difference(&fit.arm, &fit.arm);
-    let told: Vec<usize> = fit.layout.joints.clone().filter(|&k| fit.held_by_prior(k) < 0.5).collect();
-    for &k in &told {
+    let determined: Vec<usize> = fit.layout.joints.clone().filter(|&k| fit.held_by_prior(k) < 0.5).collect();
+    for &k in &determined {
         println!("{}: {:.5} ± {:.5}, {}", fit.layout.parameters[k].name, found[k], fit.deviation(k), zeros[k]);
         assert!((found[k] - zeros[k]).abs() < 5.0 * fit.deviation(k) && fit.deviation(k) < 5e-4);
     }
-    assert_eq!(told, [3, 4]);
+    assert_eq!(determined, [3, 4]);
     let variance = fit.covariance[(1, 1)] + fit.covariance[(2, 2)] + 2.0 * fit.covariance[(1, 2)];
     let off = found[1] + found[2] - zeros[1] - zeros[2];
     assert!(off.abs() < 5.0 * variance.sqrt() && variance.sqrt() < 5e-4, "{off} ± {}", variance.sqrt());

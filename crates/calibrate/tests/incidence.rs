@@ -34,9 +34,9 @@ fn what_is_read_moves_along_the_line_of_sight_alone() {
     let (chain, statics) = ur5e();
     for kind in [ObservationKind::Position, ObservationKind::Pose] {
         // The same readings whoever simulates them.
-        let told = Some(readings(&chain, 20, 3));
+        let given = Some(readings(&chain, 20, 3));
         let quiet =
-            SimulationOptions { noise_position: 0.0, noise_orientation: 0.0, readings: told, ..options(kind, 20, 3) };
+            SimulationOptions { noise_position: 0.0, noise_orientation: 0.0, readings: given, ..options(kind, 20, 3) };
         let bare = simulate(&chain, &quiet, &NoEffects);
         let (c, zero) = ([2e-4, -1e-4, 3e-4], 5e-5);
         let mut both = model(&statics, Carrier::Sight, &c);

@@ -300,7 +300,7 @@ fn the_order_of_rows_changes_neither_fit_nor_curves() {
 }
 
 #[test]
-fn a_run_told_backwards_has_the_same_noise() {
+fn a_run_in_reverse_order_has_the_same_noise() {
     let chain = puma_like();
     let options =
         SimulationOptions { kind: ObservationKind::Pose, rows: 60, noise_range: 2e-4, seed: 4, ..Default::default() };

@@ -73,7 +73,7 @@ fn loads_by_which_runs_differ_are_found() {
 }
 
 #[test]
-fn runs_that_carry_alike_are_not_told_to_differ() {
+fn runs_with_equal_loads_are_not_reported_as_different() {
     let (chain, statics) = drawn("universal_robots/ur5e.urdf");
     let wave = at_joint(Kind::TransmissionError, 1, Driver::Harmonic { joint: 1, order: 3.0 }, &[2e-4, 1e-4]);
     let mut wavy = soft(&statics);

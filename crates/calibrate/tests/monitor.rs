@@ -108,7 +108,7 @@ fn another_reflector_is_seen_at_once_and_named_with_the_second_row() {
 }
 
 #[test]
-fn a_base_that_slips_is_told_from_other_mistakes() {
+fn a_base_that_slips_is_distinguished_from_other_mistakes() {
     let chain = examples::puma_like();
     let Simulation { arm, mut data, .. } = run(&chain, ObservationKind::Position, 30, 6);
     let slip = se3::exp(&Vector6::new(0.0, 0.0, 2e-3, 3e-3, 0.0, 0.0));

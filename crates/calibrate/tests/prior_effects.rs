@@ -166,7 +166,7 @@ fn a_knock_of_the_geometry_is_no_change_of_the_effects() {
 }
 
 #[test]
-fn the_third_day_goes_on_from_the_second() {
+fn the_third_day_continues_the_second() {
     let (arm, first) = first_day(&gears(1.0, 1.0), 4);
     let chain = puma_like();
     let before = calibrated(&first, None, None);

@@ -111,7 +111,7 @@ pub fn tiago() -> Option<Chain> {
 }
 
 #[test]
-fn tiago_is_told_little_by_34_poses() {
+fn of_tiago_34_poses_determine_little() {
     let Some(chain) = tiago() else { return };
     let Some(data) = load("tiago_mocap/measurements.csv", &chain) else { return };
     assert_eq!(data.scene.targets.len(), 3);

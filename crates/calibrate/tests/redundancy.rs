@@ -108,7 +108,7 @@ fn sixty_equal_rows_are_one_posture() {
 }
 
 #[test]
-fn held_out_rows_that_a_stage_makes_worse_are_told_and_choose_nothing() {
+fn held_out_rows_that_a_stage_makes_worse_are_reported_and_choose_nothing() {
     let (chain, statics) = ur5e();
     // The fitted rows are of a robot with errors, those held out of one that is as drawn, placed alike.
     let options = SimulationOptions { rows: 30, seed: 5, turn: 2e-3, shift: 3e-3, ..SimulationOptions::default() };

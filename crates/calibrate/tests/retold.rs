@@ -28,7 +28,7 @@ pub fn named((chain, statics): &(Chain, Statics), data: &Measurements) -> Vec<(K
 }
 
 /// The text of the rows with every cell changed, by the column's name, and columns behind them.
-fn told(
+fn rewritten(
     data: &Measurements,
     change: impl Fn(&str, f64, &dyn Fn(&str) -> f64) -> f64,
     more: &[(&str, &dyn Fn(usize) -> f64)],
@@ -50,7 +50,7 @@ fn told(
 }
 
 #[test]
-fn a_soft_joint_and_a_coupling_are_found_however_its_run_is_told() {
+fn a_soft_joint_and_a_coupling_are_found_in_every_form_of_the_run() {
     let arm = ur5e();
     let (chain, statics) = &arm;
     let effects = vec![
@@ -70,12 +70,12 @@ fn a_soft_joint_and_a_coupling_are_found_however_its_run_is_told() {
     let order: Vec<usize> = (0..data.len()).map(|row| row * 61 % data.len()).collect();
     assert_eq!(named(&arm, &data.subset(&order)), names, "rows in another order");
     let humidity = |row: usize| 40.0 + 10.0 * ((row * row) as f64 * 0.37).sin();
-    let more = told(&data, |_, cell, _| cell, &[("humidity", &humidity)]);
+    let more = rewritten(&data, |_, cell, _| cell, &[("humidity", &humidity)]);
     assert_eq!(named(&arm, &loaded(&more, "")), names, "a column that means nothing");
     let scaled = |name: &str, cell: f64, _: &dyn Fn(&str) -> f64| {
         if ["x", "y", "z"].contains(&name) { cell * 1e3 } else { cell.to_degrees() }
     };
-    assert_eq!(named(&arm, &loaded(&told(&data, scaled, &[]), "mm,deg")), names, "mm and degrees");
+    assert_eq!(named(&arm, &loaded(&rewritten(&data, scaled, &[]), "mm,deg")), names, "mm and degrees");
 }
 
 /// Readings as a controller gives them that counts the elbow from the ground, and the same with that taken out.
@@ -99,7 +99,7 @@ fn a_soft_joint_is_found_whether_or_not_a_coupling_was_taken_out_beforehand() {
     let taken_out = |name: &str, cell: f64, of: &dyn Fn(&str) -> f64| {
         if name == elbow { cell - of(&upper_arm) } else { cell }
     };
-    let text = told(&data, taken_out, &[]);
+    let text = rewritten(&data, taken_out, &[]);
     let corrected = read("told.csv", text.as_bytes(), chain, Units::default()).unwrap().data;
     assert_eq!(named(&arm, &corrected), [(Kind::JointCompliance, place(2))]);
 }

@@ -38,7 +38,7 @@ fn planned(found: &Calibration, statics: &Statics, options: &PlanOptions) -> Tel
 }
 
 #[test]
-fn poses_from_the_whole_range_name_what_a_part_of_it_left_open() {
+fn poses_from_the_whole_range_name_what_a_part_of_it_cannot_distinguish() {
     let (chain, statics) = ur5e();
     let case = study::case(&chain, &statics, study::WORLDS[0], 1013).expect("two possible causes");
     assert!(!case.before.right);

@@ -188,7 +188,7 @@ fn the_torso_is_known_better_from_both_arms_than_from_one() {
 }
 
 #[test]
-fn two_arms_that_share_nothing_come_out_as_two_fits() {
+fn two_arms_that_share_nothing_are_fitted_as_in_two_fits() {
     let (chain, tips, chains) = both(BAXTER);
     let run = simulate(&chain, &options(&tips, 140, 13), &NoEffects);
     let text = write(&run.data, &[]);

@@ -73,7 +73,7 @@ fn plain_drift_is_no_warmth() {
 }
 
 #[test]
-fn rows_held_out_go_on_from_the_run() {
+fn held_out_rows_continue_the_run() {
     let (chain, _) = ur5e();
     let time = |rows: std::ops::Range<usize>| Covariate {
         name: "time".into(),

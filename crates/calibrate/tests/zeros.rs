@@ -79,15 +79,15 @@ fn the_first_and_the_last_zero_hide_behind_instrument_and_target() {
     let (_, data) = measured(&chain, ObservationKind::Pose, &[0.05, -0.04, 0.03, 0.05, -0.06, 0.02], 3);
     let options = CalibrateOptions { identify: all(&chain), ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &Statics::of_chain(&chain), data, None, &options).unwrap();
-    let told: Vec<bool> =
-        result.report.zeros().map(denavit_calibrate::calibration::contract::Identified::is_told).collect();
-    assert_eq!(told, [false, true, true, true, true, false]);
+    let determined: Vec<bool> =
+        result.report.zeros().map(denavit_calibrate::calibration::contract::Identified::is_determined).collect();
+    assert_eq!(determined, [false, true, true, true, true, false]);
     let said = text::report(&result);
     println!("{said}");
     assert!(said.contains("zero of joint_1: it has the effect of another pose of the instrument"), "{said}");
     assert!(said.contains("zero of joint_6: it has the effect of another pose of the target"), "{said}");
     for (zero, expected) in
-        result.report.zeros().zip([0.05, -0.04, 0.03, 0.05, -0.06, 0.02]).filter(|(z, _)| z.is_told())
+        result.report.zeros().zip([0.05, -0.04, 0.03, 0.05, -0.06, 0.02]).filter(|(z, _)| z.is_determined())
     {
         assert!((zero.change - expected).abs() < 5.0 * zero.std, "{} {}", zero.joint, zero.change);
     }

@@ -219,7 +219,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn told(input: Input) -> Value {
+    fn read_input(input: Input) -> Value {
         match input {
             Input::Known(known) => number(known),
             Input::Argument(index) => Value::named(format!("given[{index}]")),
@@ -249,21 +249,22 @@ impl<'a> Lowering<'a> {
                 let u = self.sheet.sum(&[(&value, &number(1.0 / width)), (&number(-at / width), &Value::ONE)]);
                 vec![self.bump(&u, *shape)]
             }
-            Driver::Told(inputs) => {
-                inputs.iter().map(|(scale, input)| self.sheet.times(&number(*scale), &Self::told(*input))).collect()
-            }
+            Driver::Told(inputs) => inputs
+                .iter()
+                .map(|(scale, input)| self.sheet.times(&number(*scale), &Self::read_input(*input)))
+                .collect(),
             Driver::Decay { of, from, constant } => {
-                let late = self.sheet.minus(&Self::told(*of), &number(*from));
+                let late = self.sheet.minus(&Self::read_input(*of), &number(*from));
                 let late = self.sheet.call(Function::Most, &[&late, &Value::ZERO]);
                 let power = self.sheet.times(&late, &number(-1.0 / constant));
                 let left = self.sheet.call(Function::Exponential, &[&power]);
                 vec![self.sheet.minus(&Value::ONE, &left)]
             }
             Driver::Steps(input, places) => {
-                let value = Self::told(*input);
+                let value = Self::read_input(*input);
                 places.iter().map(|place| self.choice(&value, &number(*place), 0.0, 1.0)).collect()
             }
-            Driver::Smooth(input, knots) => self.hats(&Self::told(*input), knots),
+            Driver::Smooth(input, knots) => self.hats(&Self::read_input(*input), knots),
             _ => {
                 let (standing, loads) = standing.expect("who asks for gravity stands the arm first");
                 self.values_of_gravity(driver, standing, loads)
@@ -372,13 +373,13 @@ impl<'a> Lowering<'a> {
             }
             Driver::FrictionSide(joint, side, friction) => {
                 let torque = self.torque(loads, *joint);
-                let left = self.sheet.sum(&[(&torque, &Value::ONE), (&number(-friction), &Self::told(*side))]);
+                let left = self.sheet.sum(&[(&torque, &Value::ONE), (&number(-friction), &Self::read_input(*side))]);
                 vec![self.choice(&left, &Value::ZERO, -1.0, 1.0)]
             }
             Driver::LoadedSide(joint, side) => {
                 let torque = self.torque(loads, *joint);
                 let size = self.sheet.call(Function::Size, &[&torque]);
-                vec![self.sheet.times(&Self::told(*side), &size)]
+                vec![self.sheet.times(&Self::read_input(*side), &size)]
             }
             _ => unreachable!("what needs no posture has its values before"),
         }

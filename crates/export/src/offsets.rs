@@ -30,7 +30,7 @@ pub struct Offset {
     /// Whether the joint turns.
     pub turns: bool,
     /// Whether the data determine it.
-    pub told: bool,
+    pub determined: bool,
 }
 
 /// What the files are made from.
@@ -129,17 +129,17 @@ pub fn named(name: &str) -> Result<&'static Form, OffsetsError> {
 }
 
 /// The offsets that the data determine, and a note on each of the others.
-fn told<'a>(offsets: &Offsets<'a>) -> (Vec<&'a Offset>, Vec<String>) {
-    let (told, not): (Vec<&Offset>, Vec<&Offset>) = offsets.joints.iter().partition(|offset| offset.told);
+fn determined<'a>(offsets: &Offsets<'a>) -> (Vec<&'a Offset>, Vec<String>) {
+    let (determined, not): (Vec<&Offset>, Vec<&Offset>) = offsets.joints.iter().partition(|offset| offset.determined);
     let left_out = |offset: &&Offset| format!("the data do not determine the zero of \"{}\"; left out", offset.joint);
-    (told, not.iter().map(left_out).collect())
+    (determined, not.iter().map(left_out).collect())
 }
 
 fn csv(offsets: &Offsets) -> Result<Written, OffsetsError> {
     let mut text = String::from("joint,zero,std,unit,told\n");
-    for Offset { joint, zero, std, turns, told } in offsets.joints {
+    for Offset { joint, zero, std, turns, determined } in offsets.joints {
         let unit = if *turns { "rad" } else { "m" };
-        let _ = writeln!(text, "{},{zero:?},{std:?},{unit},{told}", quoted(joint));
+        let _ = writeln!(text, "{},{zero:?},{std:?},{unit},{determined}", quoted(joint));
     }
     Ok(Written { text, left_out: Vec::new() })
 }
@@ -152,10 +152,10 @@ fn quoted(name: &str) -> String {
 /// `SimpleTransmission`: joint position = actuator position / reduction + offset
 /// (ros-controls/ros2_control, `transmission_interface/simple_transmission.hpp`).
 fn ros2_control(offsets: &Offsets) -> Result<Written, OffsetsError> {
-    let (told, left_out) = told(offsets);
+    let (determined, left_out) = determined(offsets);
     let mut text =
         String::from("<!-- Inside <ros2_control>. Keep an existing reduction, and add to an existing offset. -->\n");
-    for Offset { joint, zero, .. } in told {
+    for Offset { joint, zero, .. } in determined {
         let name = crate::urdf::text::escaped(joint);
         let _ = writeln!(
             text,
@@ -174,9 +174,9 @@ type Steps = (Vec<(String, i64)>, Vec<String>);
 /// Servo steps that shift the reading by the zero; a note on each that exceeds the register.
 #[allow(clippy::cast_possible_truncation, reason = "a zero of a joint is a few turns at most, thousands of steps")]
 fn steps(form: &'static str, (sign, most): (f64, i64), offsets: &Offsets) -> Result<Steps, OffsetsError> {
-    let (told, mut left_out) = told(offsets);
+    let (determined, mut left_out) = determined(offsets);
     let mut all = Vec::new();
-    for offset in told {
+    for offset in determined {
         if !offset.turns {
             return Err(OffsetsError::Slides { form, joint: offset.joint.clone() });
         }
@@ -212,17 +212,17 @@ fn dynamixel(offsets: &Offsets) -> Result<Written, OffsetsError> {
 }
 
 fn xacro(offsets: &Offsets) -> Result<Written, OffsetsError> {
-    let (told, left_out) = told(offsets);
+    let (determined, left_out) = determined(offsets);
     let of = |offset: &&Offset| format!("{}_zero:={}", offset.joint, word(offset.zero));
-    Ok(Written { text: told.iter().map(of).collect::<Vec<_>>().join(" ") + "\n", left_out })
+    Ok(Written { text: determined.iter().map(of).collect::<Vec<_>>().join(" ") + "\n", left_out })
 }
 
 /// A joint's name alone is what is added to its position (mikeferguson/robot_calibration,
 /// `src/optimization/offsets.cpp`).
 fn robot_calibration(offsets: &Offsets) -> Result<Written, OffsetsError> {
-    let (told, left_out) = told(offsets);
+    let (determined, left_out) = determined(offsets);
     let mut text = String::new();
-    for Offset { joint, zero, .. } in told {
+    for Offset { joint, zero, .. } in determined {
         let _ = writeln!(text, "{}: {zero:?}", crate::makers::yaml::key(joint));
     }
     Ok(Written { text, left_out })
@@ -231,11 +231,11 @@ fn robot_calibration(offsets: &Offsets) -> Result<Written, OffsetsError> {
 /// Like robot_calibration's `updateURDF`: added to an existing `rising`.
 fn urdf(offsets: &Offsets) -> Result<Written, OffsetsError> {
     let robot = offsets.drawn.ok_or(OffsetsError::NeedsTree)?;
-    let (told, left_out) = told(offsets);
+    let (determined, left_out) = determined(offsets);
     let document = parse(robot)?;
     let nodes = Nodes::of(robot, &document)?;
     let mut edits = Edits::default();
-    for Offset { joint, zero, .. } in told {
+    for Offset { joint, zero, .. } in determined {
         let Some(index) = robot.joint_index(joint) else { continue };
         let node = nodes.joint(index);
         let found = node.children().find(|child| child.has_tag_name("calibration"));
@@ -267,7 +267,13 @@ mod tests {
     use super::*;
 
     fn joints() -> Vec<Offset> {
-        let of = |joint: &str, zero: f64, told| Offset { joint: joint.into(), zero, std: 1e-3, turns: true, told };
+        let of = |joint: &str, zero: f64, determined| Offset {
+            joint: joint.into(),
+            zero,
+            std: 1e-3,
+            turns: true,
+            determined,
+        };
         vec![of("pan", 0.0, false), of("lift", 0.1, true), of("elbow", -0.05, true)]
     }
 

@@ -208,7 +208,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
     let options = Options { link_frames, frames, reading, ..Options::default() };
     let (mut robots, mut refused, mut unchanged) = (0, 0, 0);
     let mut worst: Vec<(f64, String)> = Vec::new();
-    let mut troubles: Vec<String> = Vec::new();
+    let mut errors: Vec<String> = Vec::new();
     for path in corpus() {
         let file = path.display().to_string();
         let text = std::fs::read(&path).unwrap();
@@ -220,7 +220,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
         let exported = match canonical(&before, &options) {
             Ok(exported) => exported,
             Err(error) => {
-                troubles.push(error.to_string());
+                errors.push(error.to_string());
                 continue;
             }
         };
@@ -245,7 +245,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
             worst.push((apart, format!("{file}: {what}")));
         }
         if frames == Frames::Distal {
-            troubles.extend(
+            errors.extend(
                 odd_joints(&after, &exported.notes, link_frames).into_iter().map(|what| format!("{file}: {what}")),
             );
         }
@@ -259,7 +259,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
         if again != exported.value {
             let lines = exported.value.lines().zip(again.lines()).filter(|(one, other)| one != other);
             let (count, first) = (lines.clone().count(), lines.take(2).collect::<Vec<_>>());
-            troubles.push(format!("{file}: the export of the export differs in {count} lines: {first:?}"));
+            errors.push(format!("{file}: the export of the export differs in {count} lines: {first:?}"));
         }
     }
     assert!(robots > 0, "robots/ holds some at least");
@@ -270,7 +270,7 @@ fn check(reading: Reading, link_frames: LinkFrames, frames: Frames, vectors: u64
         worst[0].0, worst[0].1
     );
     let over = worst.iter().filter(|(apart, _)| *apart > 1e-12).count();
-    assert!(troubles.is_empty(), "{} troubles:\n{}", troubles.len(), troubles.join("\n"));
+    assert!(errors.is_empty(), "{} errors:\n{}", errors.len(), errors.join("\n"));
     assert!(over == 0, "{over} beyond 1e-12, such as {:?}", &worst[..worst.len().min(5)]);
 }
 

@@ -321,7 +321,7 @@ fn a_turn_and_its_slide_share_one_frame() {
 }
 
 #[test]
-fn shortened_angles_are_mended_with_a_note_or_kept() {
+fn shortened_angles_are_corrected_with_a_note_or_kept() {
     let exported = canonical(&robot(HAND), &Options::default()).unwrap();
     assert!(exported.notes[0].to_string().starts_with("test.urdf:5: joint \"c\": 1.57 read as π/2; the tip turns by"));
     assert!(!exported.value.contains("1.57 "));

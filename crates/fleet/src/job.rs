@@ -69,7 +69,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// The run, and its first jobs: each once, in the manifest's order. [`Ledger::go_on`] returns those with a siblings
+    /// The run, and its first jobs: each once, in the manifest's order. [`Ledger::resume`] returns those with a siblings
     /// prior.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl Ledger {
     ///
     /// # Errors
     /// A file of the store cannot be read.
-    pub fn go_on(&mut self) -> Result<Vec<Job>, FleetError> {
+    pub fn resume(&mut self) -> Result<Vec<Job>, FleetError> {
         if self.later.is_empty() || self.is_missing() {
             return Ok(Vec::new());
         }

@@ -50,7 +50,7 @@ fn healthy_robots_are_not_called_ill_and_sick_ones_are() {
 }
 
 #[test]
-fn an_event_on_record_begins_anew() {
+fn an_event_on_record_begins_again() {
     let mut robots: Vec<Nights> = (0..50).map(|seed| robot(seed, 30, 3, 0.0, false)).collect();
     // An exchanged gear: everything moves at night 15, and that is on record for robot 0, not for robot 1.
     for robot in &mut robots[..2] {

@@ -324,7 +324,7 @@ fn usable(known: &KnownEffects, data: &Measurements) -> (Usable, Vec<CarriedPart
         let bound = model.bound_effect(effect, &|name| data.column(name));
         // The duration of a row differs from run to run.
         let by_rows = |name: &String| {
-            let pace = History::of_column(name).map(|(_, told)| told);
+            let pace = History::of_column(name).map(|(_, history)| history);
             *name == RUN_ORDER || matches!(pace, Some(History::Warmth { pace: Pace::Rows, .. }))
         };
         if term.kind == Kind::Drift || term.driver.columns().into_iter().any(by_rows) {

@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_measured_pulls_what_hangs_on_it_along() {
+    fn a_known_axis_moves_the_axes_after_it() {
         // The fifth axis is known to be turned; the one after it is on the same links.
         let chain = examples::puma_like();
         let (freedom, tolerances) = (Freedom::axes(6), Tolerances::default());

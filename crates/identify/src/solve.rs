@@ -524,7 +524,7 @@ impl Solver<'_> {
             let mut after = self.objective(&next, weights, noise);
             // NaN counts as failed.
             let as_predicted = before - after >= NEARLY_LINEAR * promise;
-            if !as_predicted && let Some(placed) = self.placed_anew(&next, noise, weights) {
+            if !as_predicted && let Some(placed) = self.placed_again(&next, noise, weights) {
                 let found = self.objective(&placed, weights, noise);
                 if found < after || after.is_nan() {
                     (next, after) = (placed, found);
@@ -553,7 +553,7 @@ impl Solver<'_> {
 
     /// The state with frames and targets at their best fit for its axes and effects, to first order; `None` where nothing else is free
     /// or there is no gain.
-    fn placed_anew<E: Effects>(&self, state: &State<E>, noise: &Noise, weights: &[f64]) -> Option<State<E>> {
+    fn placed_again<E: Effects>(&self, state: &State<E>, noise: &Noise, weights: &[f64]) -> Option<State<E>> {
         let n = self.layout.len();
         let first = self.layout.effects.end;
         if first == 0 || first == n {

@@ -49,7 +49,7 @@ impl Count {
         }
     }
 
-    fn told(&self) -> String {
+    fn summary(&self) -> String {
         let mut text = format!(
             "{} the same, {} refused, {} of other numbers of the same table, {} wrong\n",
             self.same,
@@ -96,9 +96,9 @@ fn exports_of_own_robots_are_the_same() {
     for file in urdfs(&top().join("robots")) {
         count.add(&file, &Options::default());
     }
-    println!("{}", count.told());
-    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.told());
-    assert!(count.same >= 15 && count.refused.is_empty(), "{}", count.told());
+    println!("{}", count.summary());
+    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.summary());
+    assert!(count.same >= 15 && count.refused.is_empty(), "{}", count.summary());
 }
 
 #[test]
@@ -108,9 +108,9 @@ fn exports_of_vendors_robots_are_the_same() {
     for file in &files {
         count.add(file, &Options::default());
     }
-    println!("{}", count.told());
-    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.told());
-    assert!(count.same + count.refused.len() >= files.len(), "{}", count.told());
+    println!("{}", count.summary());
+    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.summary());
+    assert!(count.same + count.refused.len() >= files.len(), "{}", count.summary());
 }
 
 #[test]
@@ -119,8 +119,8 @@ fn exports_of_odd_files_are_the_same_or_refused() {
     for file in urdfs(&top().join("../shared/vendor/quirky")).iter().chain(&urdfs(&top().join("../shared/wild"))) {
         count.add(file, &Options::default());
     }
-    println!("{}", count.told());
-    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.told());
+    println!("{}", count.summary());
+    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.summary());
 }
 
 #[test]
@@ -148,6 +148,6 @@ fn exports_of_expanded_xacro_are_the_same() {
     if count.same == 0 {
         println!("skipped, because {} is not there", vendor.display());
     }
-    println!("{}", count.told());
-    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.told());
+    println!("{}", count.summary());
+    assert!(count.wrong.is_empty() && count.other_numbers.is_empty(), "{}", count.summary());
 }

@@ -34,14 +34,14 @@ macro_rules! recorded {
 pub(crate) use recorded;
 
 #[test]
-fn capabilities_are_told_in_the_encoding_that_is_offered() {
+fn capabilities_are_announced_in_the_offered_encoding() {
     let editor = editor();
     assert_eq!(editor.capabilities["capabilities"]["positionEncoding"], "utf-16");
     let offered = json!({"capabilities": {"general": {"positionEncodings": ["utf-8", "utf-16"]}}});
     let editor = Editor::with(&files(), &offered);
     assert_eq!(editor.capabilities["capabilities"]["positionEncoding"], "utf-8");
-    let told = serde_json::to_string_pretty(&editor.capabilities).unwrap();
-    recorded!("capabilities", told);
+    let capabilities = serde_json::to_string_pretty(&editor.capabilities).unwrap();
+    recorded!("capabilities", capabilities);
 }
 
 #[test]

@@ -93,7 +93,7 @@ impl Measurements {
 
     /// The same with new positions for all sockets and tools held by two tips: they may have been moved since.
     #[must_use]
-    pub fn placed_anew(mut self) -> Self {
+    pub fn placed_again(mut self) -> Self {
         let anew: Vec<usize> = self
             .scene
             .series

@@ -92,7 +92,7 @@ pub enum MeasurementError {
         joints: String,
     },
     /// A joint of the chain has no column.
-    #[error("joint \"{joint}\" has no column; {}", mend_for_joint(suggestion.as_deref(), joints))]
+    #[error("joint \"{joint}\" has no column; {}", fix_for_joint(suggestion.as_deref(), joints))]
     MissingJoint {
         /// The joint.
         joint: String,
@@ -219,7 +219,7 @@ pub enum MeasurementError {
         expected: usize,
     },
     /// A cell that is not a number.
-    #[error("column \"{column}\": \"{text}\" is not a number; {}", mend_for_text(text))]
+    #[error("column \"{column}\": \"{text}\" is not a number; {}", fix_for_text(text))]
     NotANumber {
         /// The column.
         column: String,
@@ -459,14 +459,14 @@ fn did_you_mean(suggestion: Option<&str>) -> String {
         .map_or_else(|| "; name it after a joint of the chain".into(), |name| format!("; did you mean \"{name}\"?"))
 }
 
-fn mend_for_joint(suggestion: Option<&str>, joints: &str) -> String {
+fn fix_for_joint(suggestion: Option<&str>, joints: &str) -> String {
     suggestion.map_or_else(
         || format!("the file needs one column for each of {joints}"),
         |name| format!("did you mean column \"{name}\"? Rename that column"),
     )
 }
 
-fn mend_for_text(text: &str) -> &'static str {
+fn fix_for_text(text: &str) -> &'static str {
     if text.contains(',') {
         "write the decimal point as a dot"
     } else if FAULTS.contains(&text) {

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn scales_and_pitches_come_out_of_unnormalised_twists() {
+    fn scales_and_pitches_follow_from_unnormalised_twists() {
         let chain = examples::scara_helical();
         let mut base = BaseForm::of(&chain);
         base.twists[3] *= 1.25;

@@ -510,7 +510,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_told_apart() {
+    fn frames_are_distinguished() {
         let frame = |pose: &str| {
             let text = format!("<gazebo reference=\"a\"><sensor name=\"s\">{pose}</sensor></gazebo>");
             found(&text).iter().map(|posed| posed.frame.clone()).collect::<Vec<_>>()

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds_are_told_apart() {
+    fn kinds_are_distinguished() {
         let revolute = Screw::from_twist(&Vector6::new(0.04, -0.02, 0.999, 0.02, 0.04, 0.0)).unwrap();
         assert!(matches!(revolute.0, Screw::Revolute(_)));
         let helical = Screw::from_twist(&Vector6::new(0.0, 0.0, 2.0, 0.0, 0.0, 0.01)).unwrap();

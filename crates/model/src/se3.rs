@@ -344,7 +344,7 @@ mod tests {
     #[test]
     fn orthonormalising_removes_drift() {
         let drifted = Rotation3::from_matrix_unchecked(rotation_from_rpy([0.3, 0.2, 0.1]).matrix() * (1.0 + 1e-9));
-        let mended = orthonormalised(&drifted);
-        assert!((mended.matrix().transpose() * mended.matrix() - Matrix3::identity()).norm() < 1e-15);
+        let corrected = orthonormalised(&drifted);
+        assert!((corrected.matrix().transpose() * corrected.matrix() - Matrix3::identity()).norm() < 1e-15);
     }
 }

@@ -6,7 +6,7 @@ use denavit_identify::arm::Row;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::driver::{Conditions, Driver, Posture};
 use denavit_identify::effects::model::Coupling;
-use denavit_identify::effects::recorded::told_by_order;
+use denavit_identify::effects::recorded::given_by_order;
 use denavit_identify::effects::survey::Survey;
 use denavit_measurements::{Column, Measurements};
 use denavit_model::nalgebra::DMatrix;
@@ -109,7 +109,7 @@ pub(crate) fn blocks(survey: &Survey, data: &Measurements) -> Vec<Block> {
         }
     }
     for column in &survey.recorded {
-        if told_by_order(column.name()) {
+        if given_by_order(column.name()) {
             continue;
         }
         if let Some(values) = pieces(survey, data, column) {

@@ -80,7 +80,7 @@ pub fn calibrated(asked: &Calibrate) -> Result<Value, String> {
         });
         ControlFlow::Continue(())
     };
-    let test = test.map(|test| test.data.placed_anew());
+    let test = test.map(|test| test.data.placed_again());
     let mut result = calibrate_and_tell(&chain, &statics, data.data, test, &options, &mut tell).map_err(words)?;
     result.report.columns = columns;
     let arm = result.arm().chain();

@@ -18,9 +18,9 @@ fn source(text: &str) -> Value {
 /// base_from_tip at joint values, 16 numbers column by column, by the answer to `fk`.
 fn pose(text: &str, names: &[&str], q: &[f64]) -> Vec<f64> {
     let values: Value = names.iter().zip(q).map(|(name, q)| ((*name).to_owned(), json!(q))).collect();
-    let told = answer(&json!({ "ask": "fk", "source": source(text), "q": values }));
-    let told: Value = serde_json::from_str(told["text"].as_str().unwrap()).unwrap();
-    let rows: Vec<Vec<f64>> = serde_json::from_value(told["pose"].clone()).unwrap();
+    let answered = answer(&json!({ "ask": "fk", "source": source(text), "q": values }));
+    let answered: Value = serde_json::from_str(answered["text"].as_str().unwrap()).unwrap();
+    let rows: Vec<Vec<f64>> = serde_json::from_value(answered["pose"].clone()).unwrap();
     (0..16).map(|at| rows[at % 4][at / 4]).collect()
 }
 
@@ -29,13 +29,13 @@ fn every_posture_of_a_pose_is_one_and_the_present_one_comes_first() {
     let names =
         ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"];
     let wanted = pose(UR5E, &names, &NEAR);
-    let told = answer(&json!({ "ask": "ik", "source": source(UR5E), "pose": wanted, "near": NEAR }));
+    let answered = answer(&json!({ "ask": "ik", "source": source(UR5E), "pose": wanted, "near": NEAR }));
     assert_eq!(
-        (told["reached"].as_bool(), told["solutions"].as_array().map(Vec::len)),
+        (answered["reached"].as_bool(), answered["solutions"].as_array().map(Vec::len)),
         (Some(true), Some(8)),
-        "{told}"
+        "{answered}"
     );
-    for (at, solution) in told["solutions"].as_array().unwrap().iter().enumerate() {
+    for (at, solution) in answered["solutions"].as_array().unwrap().iter().enumerate() {
         let joints: Vec<f64> = serde_json::from_value(solution["joints"].clone()).unwrap();
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart(&pose(UR5E, &names, &joints), &wanted) < 1e-12);

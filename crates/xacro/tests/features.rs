@@ -52,7 +52,7 @@ fn expanding_an_expanded_document_changes_nothing() {
 }
 
 #[test]
-fn arguments_files_and_notes_are_told() {
+fn arguments_files_and_notes_are_reported() {
     let file = fixtures().join("features/substitutions.xacro");
     let given = [("count".to_owned(), "7".to_owned()), ("coutn".to_owned(), "8".to_owned())];
     let expanded = expand(&Source::path(&file), &given, &packages_in(&fixtures())).unwrap();

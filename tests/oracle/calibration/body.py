@@ -90,7 +90,7 @@ class Body:
         moment.placements = [data.oMi[i].copy() for i in range(1, self.n + 1)]
         moment.tip = data.oMi[self.n] * tip
 
-    def settle(self, moment, effects):
+    def equilibrium(self, moment, effects):
         """Iterates effects and loads to convergence; returns the Give."""
         give = self.nothing()
         self._rest(moment, give)

@@ -64,7 +64,7 @@ class Session:
             moment = Moment(row, *(column[row] for column in table))
             if not o.payload:
                 moment.payload = 0.0
-            give = self.body.settle(moment, effects)
+            give = self.body.equilibrium(moment, effects)
             placements.append((moment.placements, moment.tip))
             if o.measure == "distance":
                 point = moment.tip.act(self.targets[0] + give.target)

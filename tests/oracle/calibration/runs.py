@@ -135,7 +135,7 @@ class Stand:
         return np.concatenate(blocks, axis=1)
 
 
-def told(columns):
+def determined_directions(columns):
     """Rank, scale of the columns, and singular values and directions that the rows determine."""
     flat = columns.reshape(-1, columns.shape[2])
     size = np.linalg.norm(flat, axis=0).clip(1e-12)
@@ -146,7 +146,7 @@ def told(columns):
 
 def attainable(case, train, test):
     """Cramer-Rao: rms of one component of position (or distance) over the test rows."""
-    rank, size, s, vt = told(train / case.noise)
+    rank, size, s, vt = determined_directions(train / case.noise)
     spread = (test[:, :3] if case.measure == "pose" else test).reshape(-1, test.shape[2]) / size @ (vt / s[:, None]).T
     return float(np.sqrt((spread**2).sum(axis=1).mean())), rank
 
@@ -219,7 +219,7 @@ def draw(case, seed, with_bounds=True):
         if case.noise > 0:
             bound, rank = attainable(case, columns, stand.columns(placed_test))
         else:
-            rank = told(columns)[0]
+            rank = determined_directions(columns)[0]
     drawn = {key: value for key, value in asdict(case).items() if key not in ("noise", "test")}
     return {
         "case": case.name, **drawn, "noise_m": case.noise, "noise_rad": case.noise, "seed": seed,

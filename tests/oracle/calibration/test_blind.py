@@ -100,7 +100,7 @@ def test_an_effect_is_named_at_its_place_or_among_the_rivals(effect, arm, measur
     assert after < attainable(truth, report) * (2.0 if measure == "distance" else CHANCE)
 
 
-def test_a_joint_that_counts_from_the_ground_is_said_with_the_mend(tmp_path):
+def test_a_joint_that_counts_from_the_ground_is_reported_with_the_fix(tmp_path):
     folder = tmp_path / "case"
     make(folder, parser().parse_args([str(folder), "--count", "200", "--test", "100", "--effects", "counted_from_ground", "--seed", "5"]))
     command = [built.denavit(), "calibrate", folder / "nominal.urdf", "--data", folder / "train.csv"]

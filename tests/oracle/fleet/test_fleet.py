@@ -265,7 +265,7 @@ OF_PANDAS = {"date": "date::timestamp", "rows_fitted": "rows_fitted::double", "l
 
 
 @pytest.mark.parametrize("how", WRITTEN)
-def test_a_store_that_duckdb_wrote_anew_is_the_same_store(uninterrupted, tmp_path, how):
+def test_a_store_that_duckdb_rewrote_is_the_same_store(uninterrupted, tmp_path, how):
     """All files of a table in one, in any form: every command gives the same result, and finds the work done."""
     store = tmp_path / "store"
     columns, options = WRITTEN[how]
@@ -294,7 +294,7 @@ def test_a_store_that_duckdb_wrote_anew_is_the_same_store(uninterrupted, tmp_pat
     assert how == "as pandas keeps them" or before == everything(uninterrupted)
 
 
-def test_work_that_stands_in_a_store_written_anew_is_not_done_again(plant, uninterrupted, tmp_path):
+def test_work_that_is_in_a_rewritten_store_is_not_done_again(plant, uninterrupted, tmp_path):
     store = tmp_path / "store"
     shutil.copytree(uninterrupted, store)
     for table in ("runs", "parameters"):

@@ -55,7 +55,7 @@ def plant(tmp_path_factory):
     return folder
 
 
-def test_the_watch_rings_for_those_that_changed(plant):
+def test_the_watch_reports_those_that_changed(plant):
     junit, markdown = plant / "watch.xml", plant / "watch.md"
     said = json.loads(denavit("fleet", "watch", plant / "store", "--json", "--junit", junit, "--markdown", markdown, codes=(1,)))
     assert said["schema"] == "denavit.fleet.watch/1"

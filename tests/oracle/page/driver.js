@@ -18,22 +18,22 @@ async (wanted) => {
   const words = (svg) => {
     const view = svg.viewBox.baseVal;
     const boxes = [...svg.querySelectorAll("text")].map((text) => [text.textContent, text.getBBox()]);
-    const troubles = [];
+    const errors = [];
     boxes.forEach(([one, a], k) => {
       if (a.x < view.x - 1 || a.x + a.width > view.x + view.width + 1 || a.y < view.y - 2 || a.y + a.height > view.y + view.height + 2) {
-        troubles.push(`"${one}" sticks out`);
+        errors.push(`"${one}" sticks out`);
       }
       for (const [other, b] of boxes.slice(k + 1)) {
         const wide = Math.min(a.x + a.width, b.x + b.width) - Math.max(a.x, b.x);
         const high = Math.min(a.y + a.height, b.y + b.height) - Math.max(a.y, b.y);
-        if (wide > 3 && high > 5) troubles.push(`"${one}" lies on "${other}"`);
+        if (wide > 3 && high > 5) errors.push(`"${one}" lies on "${other}"`);
       }
     });
-    return troubles;
+    return errors;
   };
   document.querySelectorAll("details").forEach((part) => { part.open = true; });
   const figures = [...document.querySelectorAll("svg.skeleton")];
-  const troubles = figures.flatMap((svg) => words(svg).map((trouble) => `${svg.querySelector("title").textContent}: ${trouble}`));
+  const errors = figures.flatMap((svg) => words(svg).map((error) => `${svg.querySelector("title").textContent}: ${error}`));
 
   await new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)));
   const canvas = document.getElementById("view");
@@ -46,5 +46,5 @@ async (wanted) => {
     if (r < 60 && g < 110 && b > 170) colours.blue += 1;
     if (r > 70 && r < 110 && Math.abs(r - b) < 35) colours.grey += 1;
   }
-  return { tips, troubles, figures: figures.length, colours, width: document.documentElement.scrollWidth };
+  return { tips, errors, figures: figures.length, colours, width: document.documentElement.scrollWidth };
 };

@@ -174,7 +174,7 @@ BROKEN = """<robot name="bent">
 """
 
 
-def test_findings_are_those_of_the_command_line_and_a_click_mends(explorer, tmp_path):
+def test_findings_are_those_of_the_command_line_and_a_click_fixes(explorer, tmp_path):
     page = explorer()
     file = tmp_path / "bent.urdf"
     file.write_text(BROKEN)

@@ -212,7 +212,7 @@ def test_arrow_keys_go_from_tab_to_tab(explorer):
         expect(page.locator(f"#tab-{name}")).to_have_attribute("aria-selected", "true")
 
 
-def test_long_names_wrap_or_are_told_on_hover(explorer):
+def test_long_names_wrap_or_are_shown_on_hover(explorer):
     page = explorer()
     name = "left_manipulator_of_the_second_cell_shoulder_pan_joint"
     drop_robot(page, ("cell.urdf", UR5E.read_text().replace("shoulder_pan_joint", name).replace('"tool0"', '"tool_of_the_left_manipulator_of_the_cell"').encode()))

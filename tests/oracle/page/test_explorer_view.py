@@ -18,14 +18,14 @@ NAMES = """() => {
   const view = document.querySelector('.view').getBoundingClientRect();
   const tags = [...document.querySelectorAll('.labels .tag')];
   const boxes = tags.filter((it) => !it.hidden).map((it) => [it.textContent, it.getBoundingClientRect()]);
-  const troubles = [];
+  const errors = [];
   boxes.forEach(([one, a], k) => {
-    if (a.left < view.left - 1 || a.right > view.right + 1 || a.top < view.top - 1 || a.bottom > view.bottom + 1) troubles.push(`${one} sticks out`);
+    if (a.left < view.left - 1 || a.right > view.right + 1 || a.top < view.top - 1 || a.bottom > view.bottom + 1) errors.push(`${one} sticks out`);
     for (const [other, b] of boxes.slice(k + 1)) {
-      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) troubles.push(`${one} lies on ${other}`);
+      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) errors.push(`${one} lies on ${other}`);
     }
   });
-  return { troubles, shown: boxes.map(([name]) => name), all: tags.map((it) => it.textContent) };
+  return { errors, shown: boxes.map(([name]) => name), all: tags.map((it) => it.textContent) };
 }"""
 
 def names(page):
@@ -46,13 +46,13 @@ def test_names_of_frames_lie_beside_each_other_and_every_one_is_seen_when_it_is_
     drop_robot(page, robot)
     shot(page, f"names-{robot.stem}-{size['width']}")
     seen = names(page)
-    assert seen["troubles"] == [] and len(seen["shown"]) >= 2
+    assert seen["errors"] == [] and len(seen["shown"]) >= 2
     # From far away there is room for few of them, and still none overlap.
     page.focus(".view")
     for _ in range(12):
         page.keyboard.press("-")
     far = names(page)
-    assert far["troubles"] == [] and len(far["shown"]) <= len(seen["all"])
+    assert far["errors"] == [] and len(far["shown"]) <= len(seen["all"])
     rows = page.locator("#dh tbody tr")
     for index in range(rows.count()):
         rows.nth(index).focus()
@@ -306,7 +306,7 @@ def test_documents_show_the_same_view(size, theme, with_page, explorer, tmp_path
     seen = page.evaluate("() => window.denavit.view.pose(0, 'tool0').elements.slice(12, 15)")
     assert seen == pytest.approx(said, abs=1e-9)
     named = names(page)
-    assert named["troubles"] == [] and len(named["all"]) == 8
+    assert named["errors"] == [] and len(named["all"]) == 8
     page.locator(".view").scroll_into_view_if_needed()
     shot(page, f"document-{size['width']}-{theme}")
     page.uncheck("#frames")

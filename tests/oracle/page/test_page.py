@@ -67,7 +67,7 @@ def sliders_move_the_tip_to_where_forward_kinematics_says(page, name):
     assert result["width"] <= PHONE["width"]
     assert min(result["colours"].values()) > 20
     assert result["figures"] >= 3
-    assert result["troubles"] == []
+    assert result["errors"] == []
 
 
 def names_in_the_3d_view_lie_inside_and_off_each_other(page):

@@ -280,12 +280,12 @@ pub struct JointZeros {
 }
 
 /// A zero with more than this share from the prior is not determined by the data.
-const TOLD_BELOW: f64 = 0.5;
+const DETERMINED_BELOW: f64 = 0.5;
 
 impl Identified {
     /// Whether the data determine it, beyond the prior.
-    pub fn is_told(&self) -> bool {
-        self.held_by_prior < TOLD_BELOW
+    pub fn is_determined(&self) -> bool {
+        self.held_by_prior < DETERMINED_BELOW
     }
 }
 

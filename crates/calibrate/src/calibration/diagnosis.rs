@@ -73,7 +73,7 @@ pub enum Diagnosis {
         in_words(*after),
         in_words(*before),
         supposed(mistakes),
-        mended(mistakes)
+        fixes(mistakes)
     )]
     Mistaken {
         /// The file.
@@ -148,7 +148,7 @@ fn supposed(mistakes: &[Mistake]) -> String {
 }
 
 /// What to do about all of them.
-fn mended(mistakes: &[Mistake]) -> String {
+fn fixes(mistakes: &[Mistake]) -> String {
     mistakes.iter().map(Mistake::fix).collect::<Vec<_>>().join("; ")
 }
 
@@ -262,7 +262,7 @@ impl Corrected {
             supposed(&self.mistakes),
             in_words(self.after),
             in_words(self.before),
-            mended(&self.mistakes)
+            fixes(&self.mistakes)
         )
     }
 }

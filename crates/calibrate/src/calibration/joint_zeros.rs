@@ -42,6 +42,6 @@ pub(super) fn joint_zeros(
     let zeros = fit_stage(rows, &found.nominal.arm, &NoEffects, &vec![1.0; rows.observations()], &asked);
     let share = (drawn.powi(2) - level(&zeros)?.powi(2)) / (drawn.powi(2) - left.powi(2));
     let zeros = identified(&zeros);
-    let large = |zero: &Identified| zero.is_told() && zero.change.abs() > LARGE.max(SURE * zero.std);
+    let large = |zero: &Identified| zero.is_determined() && zero.change.abs() > LARGE.max(SURE * zero.std);
     (share >= NEARLY_ALL && zeros.iter().any(large)).then(|| JointZeros { share: share.min(1.0), zeros })
 }

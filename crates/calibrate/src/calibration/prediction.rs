@@ -22,7 +22,7 @@ impl Calibration {
     /// # Errors
     /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.
     pub fn predict(&self, later: Measurements) -> Result<Prediction, TestError> {
-        let later = with_run_order_after(later.placed_anew(), &self.train);
+        let later = with_run_order_after(later.placed_again(), &self.train);
         if let Some(fit) = self.beyond_geometry() {
             return self.predicted(fit, &later);
         }

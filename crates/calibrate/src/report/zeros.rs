@@ -9,17 +9,17 @@ use std::fmt::Write;
 pub fn zeros(result: &Calibration) -> String {
     let report = &result.report;
     let mut rows = Vec::new();
-    let mut not_told = String::new();
+    let mut undetermined = String::new();
     for zero in report.zeros() {
-        if zero.is_told() {
+        if zero.is_determined() {
             let [value, deviation] = in_words(zero);
             rows.push(vec![format!("  {}", zero.joint), value, format!("± {deviation}")]);
         } else {
             rows.push(vec![format!("  {}", zero.joint), "not determined".into(), "as drawn".into()]);
-            let _ = writeln!(not_told, "zero of {}: {}", zero.joint, why_not(report, zero));
+            let _ = writeln!(undetermined, "zero of {}: {}", zero.joint, why_not(report, zero));
         }
     }
-    format!("joint zeros, added to the reading ± standard deviation\n{}{not_told}", table(&rows))
+    format!("joint zeros, added to the reading ± standard deviation\n{}{undetermined}", table(&rows))
 }
 
 /// What hides a zero, and what would show it.
@@ -49,7 +49,7 @@ pub(crate) fn in_words(zero: &Identified) -> [String; 2] {
 /// A line that says that zeros are nearly all that was found, if so.
 pub(super) fn nearly_all(found: Option<&JointZeros>) -> String {
     let Some(found) = found else { return String::new() };
-    let listed = found.zeros.iter().filter(|zero| zero.is_told()).map(|zero| {
+    let listed = found.zeros.iter().filter(|zero| zero.is_determined()).map(|zero| {
         let [value, deviation] = in_words(zero);
         format!("{} {value} ± {deviation}", zero.joint)
     });

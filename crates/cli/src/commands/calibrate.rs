@@ -299,7 +299,7 @@ fn offsets_of(report: &CalibrationReport) -> Vec<Offset> {
         zero: zero.change,
         std: zero.std,
         turns: zero.unit == "rad",
-        told: zero.is_told(),
+        determined: zero.is_determined(),
     };
     report.zeros().map(of).collect()
 }

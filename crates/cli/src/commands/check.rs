@@ -186,7 +186,7 @@ impl<'a> Checked<'a> {
             let (file, written) = match source::read_text(name) {
                 Ok(read) => read,
                 Err(failure) => {
-                    self.go_on_without(failure, asked)?;
+                    self.continue_without(failure, asked)?;
                     continue;
                 }
             };
@@ -204,7 +204,7 @@ impl<'a> Checked<'a> {
                 }
                 Err(failure) => {
                     self.any_is_xacro = true;
-                    self.go_on_without(failure, asked)?;
+                    self.continue_without(failure, asked)?;
                     continue;
                 }
             };
@@ -246,7 +246,7 @@ impl<'a> Checked<'a> {
     }
 
     /// If one of several files cannot be read, the others are still checked.
-    fn go_on_without(&mut self, failure: Failure, asked: &[NamedSource]) -> Result<(), Failure> {
+    fn continue_without(&mut self, failure: Failure, asked: &[NamedSource]) -> Result<(), Failure> {
         if asked.len() == 1 {
             return Err(failure);
         }

@@ -44,7 +44,7 @@ pub fn run(arguments: &CompensateArguments) -> Result<Status, Failure> {
     let poses = measured::pose_list(&arguments.poses, calibrated, &arguments.units, Some(&arguments.import))?;
     if let Some(file) = &arguments.effects {
         let known = |name: &str| {
-            recorded::told_by_order(name)
+            recorded::given_by_order(name)
                 || recorded::given(&given, name).is_some()
                 || poses.covariates.iter().any(|column| column.name == name)
         };

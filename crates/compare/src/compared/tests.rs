@@ -155,7 +155,7 @@ fn a_new_frame_counts_but_not_for_motion() {
 }
 
 #[test]
-fn a_text_that_is_no_fingerprint_is_told_from_another_fingerprint() {
+fn a_text_that_is_no_fingerprint_is_distinguished_from_another_fingerprint() {
     let own = fingerprint(&Subject::Robot(&urdf::read("r", ROBOT).unwrap()), 1e-6);
     assert_eq!(own.comparable(&own.to_string()), Ok(()));
     for (written, words) in [

@@ -63,7 +63,7 @@ impl Found {
     }
 
     /// With edits of the read text.
-    pub fn mended_by(mut self, edits: Vec<Edit>) -> Self {
+    pub fn fixed_by(mut self, edits: Vec<Edit>) -> Self {
         self.fix = edits;
         self
     }

@@ -12,7 +12,7 @@ fn is_urdf(rule: &Rule) -> bool {
     !rule.bad.starts_with("<mujoco") && !rule.bad.starts_with("<sdf")
 }
 
-/// Only the mesh of the mended example is there.
+/// Only the mesh of the corrected example is there.
 fn lookup(name: &str) -> Lookup {
     if name.contains("bsae") { Lookup::NotFound("looked in meshes/".into()) } else { Lookup::Found }
 }
@@ -45,7 +45,7 @@ fn fixable_rules_turn_the_bad_example_into_the_good_one() {
 }
 
 #[test]
-fn mends_fall_in_the_right_place_behind_dropped_and_declared_text() {
+fn fixes_fall_in_the_right_place_behind_dropped_and_declared_text() {
     let text = "\n<?xml version=\"1.0\"?>\n<robot name=\"r\"><a:b/><link name=\"x\"/><link name=\"y\"/>\
                 <joint name=\"j\" type=\"continuous\"><axis xyz=\"0 0 2\"/><parent link=\"x\"/><child link=\"y\"/></joint></robot>";
     let findings = check("r.urdf", text, &lookup, &Config::default());

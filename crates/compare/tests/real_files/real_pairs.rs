@@ -25,7 +25,7 @@ fn kinematics() -> Options {
 }
 
 #[test]
-fn twelve_limbed_robot_before_and_after_its_axes_were_mended() {
+fn twelve_limbed_robot_before_and_after_its_axes_were_corrected() {
     let Some((found, changes)) = explained("robots/jpl/t12.urdf", "robots/jpl/t12_wrong_axes.urdf", &kinematics())
     else {
         return;

@@ -8,7 +8,7 @@ fn unknown(_: &str) -> Lookup {
 }
 
 #[test]
-fn mending_mends_what_it_says_and_nothing_else_breaks() {
+fn fixes_fix_what_they_say_and_break_nothing_else() {
     let texts = vendor::texts();
     assert!(!texts.is_empty(), "robots/ holds some at least");
     let mut counts = vec![(0, 0, String::new()); RULES.len()];
@@ -27,10 +27,10 @@ fn mending_mends_what_it_says_and_nothing_else_breaks() {
                 counts[index].2 = finding.to_string();
             }
         }
-        let (mended, made) = fix(text, &findings);
-        let left = check(file, &mended, &unknown, &Config::default());
+        let (fixed, made) = fix(text, &findings);
+        let left = check(file, &fixed, &unknown, &Config::default());
         let fixable = left.iter().filter(|finding| !finding.fix.is_empty()).count();
-        assert_eq!(fixable, 0, "{file}: {made} mends made");
+        assert_eq!(fixable, 0, "{file}: {made} fixes made");
         let others = |findings: &[denavit_compare::Finding]| {
             let hand = |code: &str| rule(code).is_some_and(|rule| !rule.fixable && rule.name != "nearly-parallel");
             findings.iter().filter(|finding| hand(finding.rule)).count()

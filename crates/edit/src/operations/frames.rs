@@ -26,7 +26,7 @@ pub(crate) fn canonical(robot: &Robot, srdf: Option<&SourceText>) -> Result<Chan
     let mut tally = Tally::default();
     tally.say("link frames moved to the D-H frames");
     let notes = made.notes.iter().map(ToString::to_string).collect();
-    given_anew(robot, srdf, (made.value, Pose::identity()), tally, notes)
+    claim_of(robot, srdf, (made.value, Pose::identity()), tally, notes)
 }
 
 /// Moves a link's frame to `to`, given in its present frame.
@@ -160,11 +160,11 @@ fn moved(
     moves.contents(robot, &document, &nodes, &mut edits)?;
     notes.extend(moves.plugins_that_name(robot, &document).iter().map(ToString::to_string));
     let urdf = edits.apply(&robot.source)?;
-    given_anew(robot, srdf, (urdf, root), tally, notes)
+    claim_of(robot, srdf, (urdf, root), tally, notes)
 }
 
 /// The claim of a text in which frames differ: their displacement at joint values 0, the same at all others.
-fn given_anew(
+fn claim_of(
     robot: &Robot,
     srdf: Option<&SourceText>,
     (text, root_step): (String, Pose),

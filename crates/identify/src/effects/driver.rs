@@ -403,9 +403,9 @@ impl Driver {
             Self::Cantilever(_) => "1/(N m²)",
             Self::Velocities(_) => "1/s",
             Self::Covariate(column) => match History::of_column(column.name()) {
-                Some((name, told)) => {
+                Some((name, history)) => {
                     let joint = chain.joints().iter().position(|joint| joint.name == name);
-                    told.unit(joint.is_some_and(slides))
+                    history.unit(joint.is_some_and(slides))
                 }
                 None => unit_of(column.name()),
             },

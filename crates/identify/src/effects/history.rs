@@ -63,8 +63,8 @@ impl Pace {
 
 impl History {
     /// All states, warmth by the clock only where there is a clock.
-    pub fn told(clock: bool) -> impl Iterator<Item = Self> {
-        Self::all().filter(move |told| clock || !told.needs_a_clock())
+    pub fn available(clock: bool) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |history| clock || !history.needs_a_clock())
     }
 
     /// All possible states.
@@ -102,8 +102,8 @@ impl History {
         }
         // Most columns are of another kind, and this is called often.
         let may = [APPROACH_FROM_ROWS, WOUND_UP, WARMTH].iter().any(|word| name.contains(word));
-        let mut told = may.then(Self::all).into_iter().flatten();
-        told.find_map(|told| Some((name.strip_suffix(told.ending().as_str())?, told)))
+        let mut all = may.then(Self::all).into_iter().flatten();
+        all.find_map(|history| Some((name.strip_suffix(history.ending().as_str())?, history)))
     }
 
     /// Its unit, for a joint that slides or turns.
@@ -148,17 +148,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_has_its_column_and_comes_to_what_keeps_on() {
-        for told in History::told(true) {
-            let name = format!("elbow{}", told.ending());
-            assert_eq!(History::of_column(&name), Some(("elbow", told)), "{name}");
+    fn every_history_has_its_column_and_converges() {
+        for history in History::available(true) {
+            let name = format!("elbow{}", history.ending());
+            assert_eq!(History::of_column(&name), Some(("elbow", history)), "{name}");
             let mut state = 0.0;
             for _ in 0..60_000 {
-                state = told.after(step(0.05), state);
+                state = history.after(step(0.05), state);
             }
-            let back = told.after(step(-0.05), state);
-            let stood = told.after(step(0.0), state);
-            match told {
+            let back = history.after(step(-0.05), state);
+            let stood = history.after(step(0.0), state);
+            match history {
                 History::Side => assert!(state == 1.0 && back == -1.0 && stood == state),
                 History::WoundUp { memory } => {
                     let expected = -1.0 + (state + 1.0) * (-0.05 / memory).exp();
@@ -168,15 +168,15 @@ mod tests {
                 History::Warmth { lag, pace } => {
                     let took = if pace == Pace::Rows { 1.0 } else { 2.0 };
                     // Travel by row or second, in either direction; a joint at rest cools.
-                    assert!((state - 0.05 / took).abs() < 1e-4 && (back - state).abs() < 1e-6, "{told:?} {state}");
-                    assert!((stood - state * (-took / lag).exp()).abs() < 1e-12, "{told:?} {stood}");
-                    let set_back = told.after(Move { seconds: Some(-5.0), ..step(0.05) }, state);
+                    assert!((state - 0.05 / took).abs() < 1e-4 && (back - state).abs() < 1e-6, "{history:?} {state}");
+                    assert!((stood - state * (-took / lag).exp()).abs() < 1e-12, "{history:?} {stood}");
+                    let set_back = history.after(Move { seconds: Some(-5.0), ..step(0.05) }, state);
                     assert!(set_back.is_finite() && set_back > 0.0);
                 }
             }
         }
         assert_eq!(History::of_column("elbow.approach"), Some(("elbow", History::Side)));
         assert_eq!(History::of_column("temperature"), None);
-        assert!(History::told(false).all(|told| !told.needs_a_clock()));
+        assert!(History::available(false).all(|history| !history.needs_a_clock()));
     }
 }

@@ -16,13 +16,13 @@ pub fn given(values: &[(String, f64)], name: &str) -> Option<f64> {
 }
 
 /// Whether a quantity is computed from the order of rows or of commands: a joint's side of approach, its wind-up, its warmth.
-pub fn told_by_order(name: &str) -> bool {
+pub fn given_by_order(name: &str) -> bool {
     History::of_column(name).is_some()
 }
 
 /// Whether a run with these columns gives a quantity: as a column, or by the order of its rows.
 pub fn given_by_run(name: &str, columns: &[Covariate]) -> bool {
     let given = |name: &str| columns.iter().any(|column| column.name == name);
-    let told = History::of_column(name).filter(|_| !name.ends_with(APPROACH));
-    name == RUN_ORDER || told.is_some_and(|(_, told)| !told.needs_a_clock() || given(TIME)) || given(name)
+    let history = History::of_column(name).filter(|_| !name.ends_with(APPROACH));
+    name == RUN_ORDER || history.is_some_and(|(_, history)| !history.needs_a_clock() || given(TIME)) || given(name)
 }

@@ -130,7 +130,7 @@ impl Survey {
 
     /// The columns of a joint's wind-up, one for each memory.
     pub fn wound_up(&self, joint: usize) -> impl Iterator<Item = Column> + '_ {
-        self.told(joint, |told| matches!(told, History::WoundUp { .. }))
+        self.histories(joint, |history| matches!(history, History::WoundUp { .. }))
     }
 
     /// The columns of a joint's warmth, one for each lag that a run of this length can show.
@@ -142,16 +142,20 @@ impl Survey {
             let [shortest, longest] = LAGS.map(|share| share * clock.span());
             (shortest, longest)
         });
-        self.told(joint, move |told| match told {
+        self.histories(joint, move |history| match history {
             History::Warmth { lag, pace } => pace == own && (shortest..=longest).contains(&lag),
             _ => false,
         })
     }
 
     /// The columns of a joint that are computed from the order of the rows, of the wanted kinds.
-    fn told<'a>(&'a self, joint: usize, wanted: impl Fn(History) -> bool + 'a) -> impl Iterator<Item = Column> + 'a {
-        let told = History::told(true).filter(move |told| wanted(*told));
-        told.filter_map(move |told| self.of_joint(joint, &told.ending()))
+    fn histories<'a>(
+        &'a self,
+        joint: usize,
+        wanted: impl Fn(History) -> bool + 'a,
+    ) -> impl Iterator<Item = Column> + 'a {
+        let history = History::available(true).filter(move |history| wanted(*history));
+        history.filter_map(move |history| self.of_joint(joint, &history.ending()))
     }
 
     /// These fractions of the largest torque of gravity on a joint; none where gravity does not load it.
@@ -352,8 +356,8 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
     for (index, joint) in data.joints.clone().iter().enumerate() {
         let readings: Vec<f64> = (0..rows).map(|row| data.reading(row)[index]).collect();
         let still = still(&readings);
-        for told in History::told(times.is_some()) {
-            let name = format!("{joint}{}", told.ending());
+        for history in History::available(times.is_some()) {
+            let name = format!("{joint}{}", history.ending());
             let mut last = before.map(|before| before.reading(before.len() - 1)[index]);
             let mut then = last_time;
             let mut state = before.and_then(|before| before.covariate(&name)?.values.last().copied()).unwrap_or(0.0);
@@ -367,7 +371,7 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
                     let seconds = now.zip(since).map(|(now, since)| now - since);
                     // The history before the first row is unknown.
                     if let Some(moved) = moved {
-                        state = told.after(Move { moved, still, seconds }, state);
+                        state = history.after(Move { moved, still, seconds }, state);
                     }
                 }
                 state
@@ -387,7 +391,7 @@ mod tests {
     use denavit_model::examples;
 
     #[test]
-    fn rows_of_a_longer_run_keep_what_its_order_told() {
+    fn a_subset_keeps_what_the_order_of_the_whole_run_shows() {
         let run = with_run_order(simulate(&examples::puma_like(), &SimulationOptions::default(), &NoEffects).data);
         let some = run.subset(&[3, 8, 20]);
         assert_eq!(with_run_order(some.clone()), some);

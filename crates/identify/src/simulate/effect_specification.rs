@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_moves_the_measured_values_by_what_was_asked_for() {
+    fn every_kind_moves_the_measured_values_by_the_specified_size() {
         for chain in examples::all() {
             let (statics, run) = (Statics::of_chain(&chain), run(&chain));
             let data = with_run_order(run.data.clone());

@@ -118,7 +118,7 @@ pub fn rows(asked: &RowsAsked, chain: &Chain) -> Result<Rows, MeasuredError> {
         know(word, &mut data, test.as_mut())?;
     }
     if asked.hold_out_setups.is_empty() {
-        return Ok(Rows { data, test: test.map(Measurements::placed_anew), columns, notes, origin });
+        return Ok(Rows { data, test: test.map(Measurements::placed_again), columns, notes, origin });
     }
     let (train, held) = data.apart(&asked.hold_out_setups).map_err(|name| {
         MeasuredError::Option(format!(

@@ -215,10 +215,10 @@ struct Factored {
 
 /// How many of a curve's waves the data determine: the others cannot be distinguished from 0. `precision`: that of the data for each wave.
 pub(super) fn waves_seen(variances: &[(f64, f64)], precision: impl Fn(usize) -> f64) -> usize {
-    let mut told = 0.0;
+    let mut determined = 0.0;
     let last = (0..variances.len()).rev().find(|&k| {
-        told += variances[k].0 * precision(k);
-        told >= UNSEEN
+        determined += variances[k].0 * precision(k);
+        determined >= UNSEEN
     });
     last.map_or(0, |last| last + 1)
 }

@@ -219,7 +219,7 @@ impl Open {
             return Some((side.joint, side.column.name().to_owned(), side.from_rows));
         }
         let column = driver.covariate()?;
-        let (joint, _) = History::of_column(column).filter(|(_, told)| told.is_of_the_way())?;
+        let (joint, _) = History::of_column(column).filter(|(_, history)| history.is_of_the_way())?;
         let joint = self.chain().joints().iter().position(|own| own.name == joint)?;
         Some((joint, column.to_owned(), true))
     }

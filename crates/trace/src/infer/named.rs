@@ -17,7 +17,7 @@ use denavit_identify::effects::curve::Curve;
 use denavit_identify::effects::driver::Driver;
 use denavit_identify::effects::history::History;
 use denavit_identify::effects::model::EffectModel;
-use denavit_identify::effects::recorded::told_by_order;
+use denavit_identify::effects::recorded::given_by_order;
 use denavit_identify::effects::survey::Survey;
 use denavit_identify::residual::ResidualModel;
 use denavit_identify::solve::{Fit, gross};
@@ -513,7 +513,7 @@ fn is_plain(candidate: &Candidate) -> bool {
         | Driver::FrictionSide { .. }
         | Driver::LoadedSide { .. }
         | Driver::LevelOverturning => false,
-        Driver::Covariate(ref column) => !told_by_order(column.name()),
+        Driver::Covariate(ref column) => !given_by_order(column.name()),
         _ => true,
     }
 }

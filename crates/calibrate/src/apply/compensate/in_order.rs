@@ -37,7 +37,7 @@ pub fn in_order(
     let rows = poses.lines.len();
     let column = |name: &str| recorded.column("the poses", rows, name);
     let model = effects.bound(&column)?;
-    let open = open.into_iter().map(|(name, joint, told)| Ok((column(&name)?, joint, told)));
+    let open = open.into_iter().map(|(name, joint, history)| Ok((column(&name)?, joint, history)));
     let open = open.collect::<Result<Vec<_>, MissingColumn>>()?;
     let mut states = vec![0.0; open.len()];
     let times = poses.covariates.iter().find(|column| column.name == TIME).map(|column| &column.values);
@@ -58,8 +58,8 @@ pub fn in_order(
                 return conditions(&recorded);
             }
             let mut with_sides = recorded.clone();
-            for ((column, joint, told), state) in open.iter().zip(&states) {
-                let now = before.as_ref().map_or(0.0, |before| told.after(step(before[*joint], q[*joint]), *state));
+            for ((column, joint, history), state) in open.iter().zip(&states) {
+                let now = before.as_ref().map_or(0.0, |before| history.after(step(before[*joint], q[*joint]), *state));
                 with_sides.set(column, || now);
             }
             conditions(&with_sides)
@@ -71,8 +71,8 @@ pub fn in_order(
             near.clone_from(&command.nominal);
         }
         if let Some(before) = &before {
-            for ((_, joint, told), state) in open.iter().zip(&mut states) {
-                *state = told.after(step(before[*joint], command.nominal[*joint]), *state);
+            for ((_, joint, history), state) in open.iter().zip(&mut states) {
+                *state = history.after(step(before[*joint], command.nominal[*joint]), *state);
             }
         }
         before = Some(command.nominal.clone());
@@ -95,13 +95,13 @@ fn followed(
         let plain = recorded::plain(&name);
         let column = poses.covariates.iter().find(|column| column.name == plain).map(|column| column.values.clone());
         let side = || {
-            let (joint, told) = History::of_column(&plain)?;
+            let (joint, history) = History::of_column(&plain)?;
             // Without a clock the value is unknown: the column is missing.
-            if told.needs_a_clock() && !poses.covariates.iter().any(|column| column.name == TIME) {
+            if history.needs_a_clock() && !poses.covariates.iter().any(|column| column.name == TIME) {
                 return None;
             }
             let index = chain.coordinates().iter().position(|coordinate| coordinate.name == joint)?;
-            open.push((name.clone(), index, told));
+            open.push((name.clone(), index, history));
             Some(vec![0.0; rows])
         };
         let values = column.or_else(|| Some(vec![recorded::given(given, &plain)?; rows])).or_else(side);

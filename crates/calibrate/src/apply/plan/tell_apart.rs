@@ -139,7 +139,7 @@ pub fn tell_apart(open: &Open, data: &Measurements, options: &PlanOptions) -> Re
     let number: Vec<usize> = rows.lines.iter().map(|line| line - 1).collect();
     let seen = number.iter().take_while(|number| **number < each.len()).count();
     let way = |row: usize| each.get(number[row]).map(|(_, way)| *way);
-    rows.covariates = recorded(data, rows.len(), |column, row| way(row).and_then(|way| sides.told(column, way)));
+    rows.covariates = recorded(data, rows.len(), |column, row| way(row).and_then(|way| sides.value(column, way)));
     let visible = seen / sides.ways();
     if visible < options.count || options.count == 0 {
         return Err(PlanError::TooFewCandidates { wanted: options.count, left: visible, candidates: total });
@@ -195,12 +195,12 @@ fn last_seen(data: &Measurements) -> Result<Vec<usize>, PlanError> {
     held.map_or(Ok(series), |kind| Err(PlanError::InContact(kind)))
 }
 
-/// The columns of future rows: values of `told`, else those of the last row; run order continues.
-fn recorded(data: &Measurements, rows: usize, told: impl Fn(&str, usize) -> Option<f64>) -> Covariates {
+/// The columns of future rows: values of `value`, else those of the last row; run order continues.
+fn recorded(data: &Measurements, rows: usize, value: impl Fn(&str, usize) -> Option<f64>) -> Covariates {
     let columns = data.covariates.iter().map(|column| {
         let last = column.values.last().copied().unwrap_or(0.0);
         let usual = if column.name == RUN_ORDER { last + 1.0 } else { last };
-        let values = (0..rows).map(|row| told(&column.name, row).unwrap_or(usual)).collect();
+        let values = (0..rows).map(|row| value(&column.name, row).unwrap_or(usual)).collect();
         Covariate { name: column.name.clone(), values }
     });
     columns.collect::<Vec<_>>().into()
@@ -238,7 +238,7 @@ impl Sides {
     }
 
     /// Value of a column that records a side: +1 from below, -1 from above, fully wound up.
-    fn told(&self, column: &str, way: usize) -> Option<f64> {
+    fn value(&self, column: &str, way: usize) -> Option<f64> {
         let tells = |offer: &Offer| offer.approached.columns.iter().any(|own| own == column);
         Some(Self::side(self.list.iter().position(tells)?, way))
     }
@@ -294,7 +294,7 @@ fn pairs(possible: &[Possible], separations: &[Separation]) -> Vec<Pair> {
                 separations.iter().find(|one| (one.true_one, one.other) == (a, b)).map_or(0.0, |one| one.rise)
             };
             let log_odds = possible[a].log_probability - possible[b].log_probability;
-            let of_the_way = |name: &str| History::of_column(name).is_some_and(|(_, told)| told.is_of_the_way());
+            let of_the_way = |name: &str| History::of_column(name).is_some_and(|(_, history)| history.is_of_the_way());
             let only = |one: usize, other: usize| {
                 let own = possible[one].follows.iter().filter(move |name| !possible[other].follows.contains(name));
                 own.filter(|name| !of_the_way(name)).map(|name| words(name))

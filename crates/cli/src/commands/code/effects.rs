@@ -65,7 +65,7 @@ fn arguments(file: &str, saved: &SavedEffects, given: &[(String, f64)]) -> Resul
                 continue;
             }
             let side = name.ends_with(APPROACH) || name.ends_with(APPROACH_FROM_ROWS);
-            if name == RUN_ORDER || (recorded::told_by_order(name) && !side) {
+            if name == RUN_ORDER || (recorded::given_by_order(name) && !side) {
                 let (kind, place) = (effect.term.kind.name(), effect.term.carrier.place(&saved.statics.chain));
                 return Err(Failure::Argument(format!(
                     "{file}: {kind} at {place} follows \"{plain}\", which comes from the order of the measured rows and is unknown to a \
@@ -270,14 +270,14 @@ fn cases(
     let ranges = effects.averaged.as_ref().map(|averaged| &averaged.ranges[..]);
     let mut cases = Vec::new();
     for (index, q) in code::postures(&effects.chain, ranges).into_iter().enumerate() {
-        let told = |(k, argument): (usize, &code::Argument)| {
+        let given_value = |(k, argument): (usize, &code::Argument)| {
             let places = places(saved, &argument.name);
             // A side, or so much of anything else that the arm moves by little.
             let size = if argument.name.ends_with(APPROACH) { 1.0 } else { 0.05 };
             let upward = if (index + k) % 2 == 0 { size } else { -size };
             places.get((index + k) % places.len().max(1)).copied().unwrap_or(upward)
         };
-        let values: Vec<f64> = effects.arguments.iter().enumerate().map(told).collect();
+        let values: Vec<f64> = effects.arguments.iter().enumerate().map(given_value).collect();
         let mut all = given.to_vec();
         all.extend(effects.arguments.iter().map(|argument| argument.name.clone()).zip(values.iter().copied()));
         let (model, recorded) = with_given(file, saved, &all)?;

@@ -37,7 +37,7 @@ fn axis(sheet: &Sheet, joint: &Joint) -> Option<Found> {
         numbers.join(" ")
     );
     let edit = sheet.set_attribute(at, "xyz", numbers.join(" "));
-    Some(Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edit.into_iter().collect()))
+    Some(Found::at(at, format!("joint \"{}\"", joint.name), what).fixed_by(edit.into_iter().collect()))
 }
 
 fn pitch(sheet: &Sheet, joint: &Joint) -> Option<Found> {
@@ -48,5 +48,5 @@ fn pitch(sheet: &Sheet, joint: &Joint) -> Option<Found> {
     let what =
         format!("rpy: the pitch {word} is {} to {:.1e} rad; write {}", meant.read_as, meant.change.abs(), meant.angle);
     let edit = Edit { start: start + offset, end: start + offset + word.len(), text: format!("{}", meant.angle) };
-    Some(Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(vec![edit]))
+    Some(Found::at(at, format!("joint \"{}\"", joint.name), what).fixed_by(vec![edit]))
 }

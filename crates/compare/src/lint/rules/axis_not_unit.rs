@@ -33,7 +33,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         let (unit, [x, y, z]) = (unit.join(" "), [axis.x, axis.y, axis.z]);
         let what = format!("axis \"{x} {y} {z}\" has length {}; write {unit}", crate::words::digits(length));
         let edit = sheet.set_attribute(at, "xyz", unit);
-        found.push(Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edit.into_iter().collect()));
+        found.push(Found::at(at, format!("joint \"{}\"", joint.name), what).fixed_by(edit.into_iter().collect()));
     }
     found
 }

@@ -30,7 +30,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
             let text = spaced.join(" ");
             let what = format!("{}=\"{}\" has commas; write \"{text}\"", attribute.name(), attribute.value());
             let edit = Edit { start: range.start, end: range.end, text };
-            found.push(Found::at(node.range().start, super::owner(node), what).mended_by(vec![edit]));
+            found.push(Found::at(node.range().start, super::owner(node), what).fixed_by(vec![edit]));
         }
     }
     found

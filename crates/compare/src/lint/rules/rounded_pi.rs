@@ -46,7 +46,7 @@ fn check(sheet: &Sheet) -> Vec<Found> {
         }
         if !edits.is_empty() {
             let what = format!("rpy: {}, off by {off:.1e} rad; write all digits", readings.join(", "));
-            found.push(Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edits));
+            found.push(Found::at(at, format!("joint \"{}\"", joint.name), what).fixed_by(edits));
         }
     }
     found
@@ -72,7 +72,7 @@ fn limits(sheet: &Sheet, joint: &Joint) -> Option<Found> {
         }
     }
     let what = format!("{}: {}, {beyond:.1e} rad beyond it; write all digits", sheet.limit_word(), readings.join(", "));
-    (!edits.is_empty()).then(|| Found::at(at, format!("joint \"{}\"", joint.name), what).mended_by(edits))
+    (!edits.is_empty()).then(|| Found::at(at, format!("joint \"{}\"", joint.name), what).fixed_by(edits))
 }
 
 /// π and its multiples, beyond which an angle is another one.
