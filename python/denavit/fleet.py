@@ -117,7 +117,7 @@ def run(
         StoreError: The store cannot be written, another run holds it, or a worker sees other files than this process.
     """
     words = [(str(name), str(value)) for name, value in (set or {}).items()]
-    with _told(progress) as tell:
+    with _reported(progress) as tell:
         if engine == "embedded":
             return _run(_denavit.fleet_run(os.fspath(manifest), words, Path(store), whole("threads", threads), tell))
         if engine not in _ENGINES:
@@ -284,7 +284,7 @@ def _imported(name: str) -> Any:
 
 
 @contextmanager
-def _told(called: Callable[[int, int, str], object] | None) -> Iterator[Callable[[int, int, str], object] | None]:
+def _reported(called: Callable[[int, int, str], object] | None) -> Iterator[Callable[[int, int, str], object] | None]:
     """The progress function for each entry that ends: the caller's, else a line in an interactive session."""
     if called is not None:
         yield called

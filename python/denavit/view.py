@@ -106,7 +106,7 @@ def explore(
         files = tuple(robot._native.meshes(folders, meshes))
         meshes -= sum(len(content) for _, content in files)
         found.append(files)
-    return View(tuple(_told(robot) for robot in shown), height, tuple(found) if any(found) else ())
+    return View(tuple(_document(robot) for robot in shown), height, tuple(found) if any(found) else ())
 
 
 def _robots(given: Any) -> tuple[Robot, ...]:
@@ -119,6 +119,6 @@ def _robots(given: Any) -> tuple[Robot, ...]:
     return (load(given),)
 
 
-def _told(robot: Robot) -> tuple[str, str]:
+def _document(robot: Robot) -> tuple[str, str]:
     """File and text of a robot as the page takes it: URDF with xacro expanded, or a table unchanged."""
     return PurePath(robot.file).name, robot._self_contained
