@@ -81,8 +81,8 @@ pub fn run(poses: usize, seed: u64) -> Run {
         let truth = gauge::centred(&fit.layout, &truth, &fit.arm);
         let [expected, estimated] = [&truth, &fit.arm].map(|arm| fit.layout.difference(arm, &truth));
         let determined: Vec<usize> = fit.layout.joints.clone().filter(|&k| fit.deviation(k) > 1e-12).collect();
-        let inside = determined.iter().filter(|&&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95));
-        inside.count() as f64 / determined.len() as f64
+        let hits = determined.iter().filter(|&&k| (estimated[k] - expected[k]).abs() < fit.half_interval(k, 0.95));
+        hits.count() as f64 / determined.len() as f64
     };
     Run {
         errors: [

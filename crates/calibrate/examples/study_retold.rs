@@ -54,8 +54,8 @@ impl Case {
 }
 
 /// The table of a text: header and cells.
-fn cells(file: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(file.as_bytes());
+fn cells(written: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(written.as_bytes());
     let header = reader.headers().unwrap().iter().map(String::from).collect();
     (header, reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect())
 }
@@ -78,8 +78,8 @@ fn scaled(rows: &mut [Vec<String>], column: usize, factor: f64) {
 }
 
 /// The same text in mm and degrees.
-fn in_millimetres(case: &Case, file: &str) -> String {
-    let (header, mut rows) = cells(file);
+fn in_millimetres(case: &Case, written: &str) -> String {
+    let (header, mut rows) = cells(written);
     for (column, name) in header.iter().enumerate() {
         let joint = case.chain.joints().iter().find(|joint| joint.name == *name);
         let length = |name: &str| {
@@ -99,8 +99,8 @@ fn in_millimetres(case: &Case, file: &str) -> String {
 }
 
 /// The same text with a meaningless column.
-fn with_a_column(file: &str, random: &mut ChaCha8Rng) -> String {
-    let (mut header, mut rows) = cells(file);
+fn with_a_column(written: &str, random: &mut ChaCha8Rng) -> String {
+    let (mut header, mut rows) = cells(written);
     header.push("humidity".into());
     for row in &mut rows {
         row.push(random.random_range(30.0..60.0_f64).to_string());
@@ -109,8 +109,8 @@ fn with_a_column(file: &str, random: &mut ChaCha8Rng) -> String {
 }
 
 /// The same text with `joint` measured from the link before it: `times` the reading of `driven_by` added.
-fn corrected(file: &str, joint: &str, driven_by: &str, times: f64) -> String {
-    let (header, mut rows) = cells(file);
+fn corrected(written: &str, joint: &str, driven_by: &str, times: f64) -> String {
+    let (header, mut rows) = cells(written);
     let place = |name: &str| header.iter().position(|other| other == name).unwrap();
     let (joint, driven_by) = (place(joint), place(driven_by));
     for row in &mut rows {
@@ -151,11 +151,11 @@ fn main() {
         let as_it_is = case.rows(&train, units);
         let mut order: Vec<usize> = (0..as_it_is.len()).collect();
         order.shuffle(&mut random);
-        let rows = write(&as_it_is, &[]);
+        let written = write(&as_it_is, &[]);
         let mut ways = vec![
             ("rows in another order", as_it_is.subset(&order)),
-            ("a meaningless column", case.rows(&with_a_column(&rows, &mut random), units)),
-            ("mm and degrees", case.rows(&in_millimetres(&case, &rows), "mm,deg".parse().unwrap())),
+            ("a meaningless column", case.rows(&with_a_column(&written, &mut random), units)),
+            ("mm and degrees", case.rows(&in_millimetres(&case, &written), "mm,deg".parse().unwrap())),
             ("training and test exchanged", case.rows(&test, units)),
         ];
         let truly = case.names(as_it_is);
@@ -168,7 +168,7 @@ fn main() {
                 let options = IdentifyOptions::axes(&case.chain);
                 identify(&case.chain, data, &options).geometric.noise.first()
             };
-            let both = [1.0, -1.0].map(|times| case.rows(&corrected(&rows, &joint, &driven_by, times), units));
+            let both = [1.0, -1.0].map(|times| case.rows(&corrected(&written, &joint, &driven_by, times), units));
             let [added, taken] = both;
             let data = if misfit(&added) < misfit(&taken) { added } else { taken };
             ways.push(("coupling removed", data));

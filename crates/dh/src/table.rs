@@ -282,3 +282,22 @@ impl Table {
         Chain::new((&*self.name, &*self.base, &*self.tip), self.coordinates.clone(), joints.collect(), home)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Convention;
+    use crate::convert::{Options, table};
+    use denavit_model::examples;
+
+    /// Every field is public, so anybody can make such a table.
+    #[test]
+    fn a_table_without_rows_is_refused_and_panics_nowhere() {
+        let mut table = table(&examples::puma_like(), &Options::default()).expect("a table").value;
+        table.rows.clear();
+        assert_eq!(table.fk(&[]), table.tool.pose());
+        assert_eq!(table.convention_rows(Convention::Distal).len(), table.joints.len() + 2);
+        assert_eq!(table.convention_rows(Convention::Proximal).len(), table.joints.len() + 2);
+        assert_eq!(table.chain().map(drop), Err(ChainError::Rows { rows: 0, joints: 6 }));
+    }
+}

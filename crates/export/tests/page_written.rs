@@ -92,29 +92,22 @@ fn expected(index: usize, chain: &Chain) -> Vec<serde_json::Value> {
     postures(chain).into_iter().map(tip).collect()
 }
 
-/// Replaces a file at once: the browser may be reading it.
-fn write(path: &Path, text: &str) {
-    let unfinished = path.with_extension("unfinished");
-    fs::write(&unfinished, text).unwrap();
-    fs::rename(unfinished, path).unwrap();
-}
-
 #[test]
 fn pages_and_what_their_sliders_must_show_are_written_for_the_browser() {
     let folder = workspace().join("target/oracle/pages");
     fs::create_dir_all(&folder).unwrap();
     let mut cards = Vec::new();
     for (name, document) in documents() {
-        write(&folder.join(format!("{name}.html")), &html(&document));
+        fs::write(folder.join(format!("{name}.html")), html(&document)).unwrap();
         for file in markdown(&document, &name) {
-            write(&folder.join(&file.name), &file.text);
+            fs::write(folder.join(&file.name), &file.text).unwrap();
         }
         let from_main = |part: &&ChainPart| part.chain.base() == document.main.chain.base();
         let others: Vec<&ChainPart> = document.others.iter().filter(from_main).collect();
         let postures = [(0, &document.main)].into_iter().chain(others.last().map(|part| (others.len(), *part)));
         let expected: Vec<_> = postures.flat_map(|(index, part)| expected(index, &part.chain)).collect();
-        write(&folder.join(format!("{name}.json")), &serde_json::to_string_pretty(&expected).unwrap());
+        fs::write(folder.join(format!("{name}.json")), serde_json::to_string_pretty(&expected).unwrap()).unwrap();
         cards.push(Card::of(&document, format!("{name}.html")));
     }
-    write(&folder.join("index.html"), &index("Robots", &cards));
+    fs::write(folder.join("index.html"), index("Robots", &cards)).unwrap();
 }

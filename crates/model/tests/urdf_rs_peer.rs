@@ -76,7 +76,7 @@ fn textures(robot: &mut urdf_rs::Robot) -> Vec<Option<String>> {
 }
 
 /// What urdf-rs leaves open or keeps infinite, as it reads once it went through us.
-fn settled(mut robot: urdf_rs::Robot) -> urdf_rs::Robot {
+fn as_we_write(mut robot: urdf_rs::Robot) -> urdf_rs::Robot {
     robot.version = None;
     for joint in &mut robot.joints {
         let limit = &mut joint.limit;
@@ -123,7 +123,7 @@ fn robots_go_to_urdf_rs_and_back_and_move_as_before() {
         back.links.retain(|link| theirs.links.iter().any(|known| known.name == link.name));
         // urdf-rs cannot write a texture that it has read.
         assert_eq!(textures(&mut back), textures(&mut theirs), "{place}");
-        let written = |robot: urdf_rs::Robot| urdf_rs::write_to_string(&settled(robot)).unwrap();
+        let written = |robot: urdf_rs::Robot| urdf_rs::write_to_string(&as_we_write(robot)).unwrap();
         let (back, theirs) = (written(back), written(theirs));
         // Line by line: the first that differs says more than two robots side by side.
         for (number, (ours, urdf_rs)) in back.lines().zip(theirs.lines()).enumerate() {

@@ -35,10 +35,10 @@ def begin(page, robot=UR5E, values=POSTURE):
     pose(page, values)
     page.click("#drag")
     expect(page.locator("#reach")).to_have_attribute("data-state", "reached")
-    settled(page)
+    at_rest(page)
 
 
-def settled(page):
+def at_rest(page):
     """Waits until every question was answered, and the results are drawn."""
     page.wait_for_function("() => window.denavit.reach.settled")
     drawn(page)
@@ -51,7 +51,7 @@ def drag(page, *steps):
     page.mouse.down()
     for dx, dy in steps:
         page.mouse.move(x + dx, y + dy)
-        settled(page)
+        at_rest(page)
 
 
 def solutions(found, near):
@@ -71,7 +71,7 @@ def test_the_posture_follows_the_tip_on_its_branch(explorer):
     drag(page, (10, -5), (22, -12), (36, -20))
     shot(page, "drag")
     page.mouse.up()
-    settled(page)
+    at_rest(page)
     after = page.evaluate(STATE)
     moved = np.subtract(after["tip"], before["tip"])
     assert np.linalg.norm(moved[12:15]) > 0.02
@@ -115,7 +115,7 @@ def test_ghosts_are_the_other_solutions_and_a_click_takes_one(explorer):
     expect(page.locator(".tag.pointer:not([hidden])")).to_have_text(told[ghost + 1])
     shot(page, "ghost-pointed")
     page.mouse.click(x, y)
-    settled(page)
+    at_rest(page)
     after = page.evaluate(STATE)
     assert np.abs(np.subtract(after["tip"], before["tip"])).max() < 1e-8
     assert page.locator("#branch option").first.text_content() == told[ghost + 1]
@@ -125,7 +125,7 @@ def test_ghosts_are_the_other_solutions_and_a_click_takes_one(explorer):
     assert np.abs(turns - np.round(turns)).max() < 1e-8
     # The box has the effect of a click on a ghost.
     page.select_option("#branch", label=told[0])
-    settled(page)
+    at_rest(page)
     back = page.evaluate(STATE)
     assert np.abs(np.subtract(back["q"], before["q"])).max() < 1e-8
     page.keyboard.press("Escape")
@@ -146,11 +146,11 @@ def test_the_tip_can_be_turned_and_typed(explorer):
             break
     page.mouse.down()
     page.mouse.move(x + radius, y + 15)
-    settled(page)
+    at_rest(page)
     page.mouse.move(x + radius, y + 30)
-    settled(page)
+    at_rest(page)
     page.mouse.up()
-    settled(page)
+    at_rest(page)
     turned = page.evaluate(STATE)
     assert np.abs(np.subtract(turned["tip"], before["tip"])[12:15]).max() < 1e-8
     assert np.abs(np.subtract(turned["tip"], before["tip"])[:11]).max() > 0.05
@@ -160,7 +160,7 @@ def test_the_tip_can_be_turned_and_typed(explorer):
         field = page.locator(f'[data-pose="{name}"]')
         field.fill(value)
         field.press("Tab")
-        settled(page)
+        at_rest(page)
     tip = np.array(page.evaluate(STATE)["tip"]).reshape(4, 4).T
     assert tip[:3, 3] == pytest.approx([0.3, -0.2505, 0.42], abs=1e-8)
     c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
@@ -174,7 +174,7 @@ def test_what_no_posture_reaches_is_said(explorer):
     field = page.locator('[data-pose="x"]')
     field.fill("1500")
     field.press("Enter")
-    settled(page)
+    at_rest(page)
     expect(page.locator("#reached")).to_contain_text("Out of reach: no posture was found for this pose; the nearest is ")
     assert page.evaluate(STATE) == before | {"ghosts": 0}
     shot(page, "out-of-reach")
@@ -183,7 +183,7 @@ def test_what_no_posture_reaches_is_said(explorer):
     expect(page.locator("#reached")).to_have_text("x takes a number")
     # The handle follows a joint that is moved by hand.
     pose(page, {"elbow_joint": 1.0})
-    settled(page)
+    at_rest(page)
     expect(page.locator("#reach")).to_have_attribute("data-state", "reached")
     # At the end of the branch the nearest other one is used, and the page says so.
     start, joint, rest = UR5E.read_text().partition('<joint name="elbow_joint"')
@@ -192,10 +192,10 @@ def test_what_no_posture_reaches_is_said(explorer):
     drop_robot(page, ("bent.urdf", bent.encode()))
     page.wait_for_function("() => window.denavit.app.robot?.file === 'bent.urdf'")
     page.click("#drag")
-    settled(page)
+    at_rest(page)
     field.fill("150")
     field.press("Enter")
-    settled(page)
+    at_rest(page)
     expect(page.locator("#reached")).to_contain_text("Another branch now: back, elbow up, wrist not flipped. 1 other posture reaches this pose")
     # No posture within limits reaches it: the page names the joints that would have to exceed theirs.
     wide = 'lower="-6.283185307179586" upper="6.283185307179586"'
@@ -206,10 +206,10 @@ def test_what_no_posture_reaches_is_said(explorer):
     drop_robot(page, ("tight.urdf", tight.encode()))
     page.wait_for_function("() => window.denavit.app.robot?.file === 'tight.urdf'")
     page.click("#drag")
-    settled(page)
+    at_rest(page)
     field.fill("150")
     field.press("Enter")
-    settled(page)
+    at_rest(page)
     expect(page.locator("#reached")).to_contain_text("Only outside of limits: a posture reaches this pose, but not within the limits of shoulder_pan_joint, elbow_joint.")
 
 
@@ -222,11 +222,11 @@ def test_other_arms_follow_too(robot, explorer):
     pose(page, {name: np.mean(limits[name]) + 0.1 * (limits[name][1] - limits[name][0]) * (1 if at % 2 else -1) for at, name in enumerate(names)})
     page.click("#drag")
     expect(page.locator("#reach")).to_have_attribute("data-state", "reached")
-    settled(page)
+    at_rest(page)
     before = page.evaluate(STATE)
     drag(page, (6, 4), (12, 8))
     page.mouse.up()
-    settled(page)
+    at_rest(page)
     after = page.evaluate(STATE)
     wanted = json.loads(page.get_attribute("#reach", "data-wanted"))
     assert np.abs(np.subtract(after["tip"], wanted)).max() < 1e-8
@@ -240,11 +240,11 @@ def test_an_arm_of_four_joints_goes_where_it_can(explorer):
     names = page.evaluate("() => window.denavit.chain(window.denavit.app.robot).coordinates")
     assert len(names) == 4
     pose(page, {names[0]: 0.4, names[1]: 0.7})
-    settled(page)
+    at_rest(page)
     before = page.evaluate(STATE)
     drag(page, (8, 3), (16, 6))
     page.mouse.up()
-    settled(page)
+    at_rest(page)
     after = page.evaluate(STATE)
     assert np.linalg.norm(np.subtract(after["tip"], before["tip"])[12:15]) > 1e-3
     shot(page, "scara")

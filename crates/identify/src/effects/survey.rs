@@ -154,8 +154,8 @@ impl Survey {
         joint: usize,
         wanted: impl Fn(History) -> bool + 'a,
     ) -> impl Iterator<Item = Column> + 'a {
-        let history = History::available(true).filter(move |history| wanted(*history));
-        history.filter_map(move |history| self.of_joint(joint, &history.ending()))
+        let histories = History::available(true).filter(move |history| wanted(*history));
+        histories.filter_map(move |history| self.of_joint(joint, &history.ending()))
     }
 
     /// These fractions of the largest torque of gravity on a joint; none where gravity does not load it.
