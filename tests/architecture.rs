@@ -2,6 +2,7 @@
 
 use crate::support::top;
 use denavit_model::settings::SETTINGS;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// A crate may depend only on earlier crates that are listed here.
@@ -236,7 +237,7 @@ fn modules_know_only_those_of_layers_before_them() {
         let layer_of = |module: &str| layers.iter().position(|layer| layer.contains(&module));
         let mut files = Vec::new();
         rust_files(&source, &mut files);
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         for file in files {
             let inside = file.strip_prefix(&source).unwrap().with_extension("");
             let first = inside.components().next().unwrap().as_os_str().to_str().unwrap().to_owned();
@@ -258,6 +259,131 @@ fn modules_know_only_those_of_layers_before_them() {
         }
         assert_eq!(seen.len(), modules.len(), "a module of the list is gone from {name}");
     }
+}
+
+/// Paths that a `use` declaration imports, its braces resolved: `a::{b, c::d}` is `a::b` and `a::c::d`.
+fn imported(tree: &str, before: &str, out: &mut Vec<String>) {
+    let tree = tree.trim();
+    let (head, list) = match tree.split_once('{') {
+        Some((head, list)) => (head, list.trim_end().strip_suffix('}').unwrap_or(list)),
+        None => return out.push(format!("{before}{}", tree.split(" as ").next().unwrap())),
+    };
+    let before = format!("{before}{head}");
+    let (mut depth, mut start) = (0, 0);
+    for (at, letter) in list.char_indices().chain([(list.len(), ',')]) {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                let part = &list[start..at];
+                start = at + 1;
+                if !part.trim().is_empty() {
+                    imported(part, &before, out);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The modules of a crate, each with the modules that its code imports, without its tests; names that a module only passes on
+/// (`pub use`) count for those who import them from there.
+fn imports_of_modules(files: &[(String, String)]) -> BTreeMap<&str, BTreeSet<&str>> {
+    let modules: Vec<&str> = files.iter().map(|(module, _)| module.as_str()).collect();
+    let (mut own, mut passed_on) = (Vec::new(), BTreeMap::new());
+    for (module, text) in files {
+        let text = text.split("#[cfg(test)]").next().unwrap();
+        let parent = module.rsplit_once("::").map_or("crate", |(parent, _)| parent);
+        for (at, _) in text.match_indices("use ").filter(|(at, _)| *at == 0 || text[..*at].ends_with(['\n', ' ', ')']))
+        {
+            let line = text[..at].rsplit('\n').next().unwrap().trim_start();
+            if !line.is_empty() && !line.starts_with("pub") {
+                continue;
+            }
+            let mut paths = Vec::new();
+            imported(text[at + "use ".len()..].split(';').next().unwrap(), "", &mut paths);
+            for path in paths {
+                let first = path.split("::").next().unwrap();
+                let mut path = match first {
+                    "self" | "super" => path.replacen(first, if first == "self" { module } else { parent }, 1),
+                    _ if modules.contains(&format!("{module}::{first}").as_str()) => format!("{module}::{path}"),
+                    _ => path,
+                };
+                while let Some((before, after)) = path.split_once("::super::") {
+                    path = format!("{}::{after}", before.rsplit_once("::").unwrap().0);
+                }
+                if line.starts_with("pub") {
+                    passed_on.insert(format!("{module}::{}", path.rsplit("::").next().unwrap()), path);
+                } else {
+                    own.push((module.as_str(), path));
+                }
+            }
+        }
+    }
+    let mut edges: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for (module, path) in &own {
+        let mut path = path;
+        while let Some(next) = passed_on.get(path) {
+            path = next;
+        }
+        let inside = |other: &&&str| path == **other || path.starts_with(&format!("{other}::"));
+        if let Some(other) =
+            modules.iter().filter(inside).max_by_key(|other| other.len()).filter(|other| *other != module)
+        {
+            edges.entry(module).or_default().insert(other);
+        }
+    }
+    edges
+}
+
+/// Modules that import one another, directly or through others.
+fn import_circle<'a>(edges: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Option<Vec<&'a str>> {
+    edges.keys().find_map(|start| {
+        let mut ways = vec![vec![*start]];
+        let mut seen = BTreeSet::new();
+        while let Some(way) = ways.pop() {
+            for next in edges.get(way.last().unwrap()).into_iter().flatten() {
+                if next == start {
+                    return Some(way);
+                }
+                if seen.insert(*next) {
+                    ways.push([&way[..], &[next]].concat());
+                }
+            }
+        }
+        None
+    })
+}
+
+#[test]
+fn modules_of_the_calibration_crates_import_in_one_direction() {
+    let mut imports = 0;
+    for name in ["linear", "measurements", "identify", "trace", "calibrate"] {
+        let source = top().join("crates").join(name).join("src");
+        let mut files = Vec::new();
+        rust_files(&source, &mut files);
+        let module = |file: &std::path::PathBuf| {
+            let inside = file.strip_prefix(&source).unwrap().with_extension("");
+            let parts = inside.iter().map(|part| part.to_str().unwrap()).filter(|part| *part != "lib");
+            (
+                std::iter::once("crate").chain(parts).collect::<Vec<_>>().join("::"),
+                std::fs::read_to_string(file).unwrap(),
+            )
+        };
+        let files: Vec<(String, String)> = files.iter().map(module).collect();
+        let edges = imports_of_modules(&files);
+        imports += edges.values().map(BTreeSet::len).sum::<usize>();
+        assert_eq!(import_circle(&edges), None, "modules of {name} that import one another");
+    }
+    assert!(imports > 500, "{imports} imports were seen");
+    let file = |module: &str, text: &str| (module.to_owned(), text.to_owned());
+    let circle = [
+        file("crate::a", "pub use self::b::{B, C};\npub mod b;\n"),
+        file("crate::a::b", "use crate::d::{self, D as Other};\n"),
+        file("crate::d", "use crate::a::B;\n#[cfg(test)]\nuse crate::e::E;\n"),
+    ];
+    assert_eq!(import_circle(&imports_of_modules(&circle)), Some(vec!["crate::a::b", "crate::d"]));
+    assert_eq!(import_circle(&imports_of_modules(&circle[..2])), None);
 }
 
 /// The public names at the root of `denavit-calibrate`, as its documentation shows them.
@@ -355,7 +481,7 @@ fn settings_in_messages_are_flags_of_the_command_line() {
             arguments.contains(&format!("long = \"{setting}\"")) || field.iter().any(|f| arguments.contains(f));
         assert!(is_flag, "no command has --{setting}");
     }
-    let mut named = std::collections::BTreeSet::new();
+    let mut named = BTreeSet::new();
     for (file, line) in library_lines().into_iter().filter(|(file, _)| !file.ends_with("model/src/settings.rs")) {
         let settings: Vec<&str> = denavit_model::settings::named(&line).collect();
         assert_eq!(settings.len(), line.matches('‹').count(), "{}: no setting is called so: {line}", file.display());

@@ -14,53 +14,22 @@ use self::real::Real;
 use denavit_calibrate::calibration::contract::Stage;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Tolerances};
-use denavit_identify::arm::{Perturbation, Perturbed, Row};
 use denavit_identify::carried::PartState;
+use denavit_identify::effects::Statics;
 use denavit_identify::effects::survey::with_run_order_after;
-use denavit_identify::effects::{EffectModel, Statics};
 use denavit_identify::identify;
+use denavit_identify::parameters::Effects as _;
 use denavit_identify::parameters::Layout;
 use denavit_identify::parameters::NoEffects;
-use denavit_identify::parameters::{Effects, Parameter, Sensitivity};
 use denavit_identify::posterior::Earlier;
 use denavit_identify::residual_statistics::residuals;
 use denavit_identify::solve::{FitOptions, fit};
-use denavit_measurements::{Measurements, MissingColumn};
+use denavit_measurements::Measurements;
 use denavit_trace::TraceOptions;
 use denavit_trace::infer::CurveOptions;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
-
-/// Fixed effects: they act and are not fitted.
-#[derive(Clone)]
-struct FixedEffects(EffectModel);
-
-impl Effects for FixedEffects {
-    type Standing = <EffectModel as Effects>::Standing;
-
-    fn standing(&self, arm: &Arm) -> Self::Standing {
-        self.0.standing(arm)
-    }
-
-    fn parameters(&self) -> Vec<Parameter> {
-        Vec::new()
-    }
-
-    fn perturb(&self, row: Row<'_>, arm: &Arm, standing: &mut Self::Standing, out: &mut Perturbation) -> bool {
-        self.0.perturb(row, arm, standing, out)
-    }
-
-    fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut Self::Standing, _: Perturbed<'_>, _: &mut [Sensitivity]) {}
-
-    fn stepped(&self, _step: &[f64]) -> Self {
-        self.clone()
-    }
-
-    fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
-        Ok(Self(self.0.bound_to(data)?))
-    }
-}
 
 /// Rows of BEFORE for the geometry that is updated, and rows of LATER for the update.
 const BEFORE: usize = 150;
@@ -255,11 +224,10 @@ fn predicted(
     let layout = Layout::new(chain, &placing.scene, &options.freedom, &Tolerances::default(), Vec::new());
     let start = Arm { joints: found.arm().joints.clone(), ..guess };
     let weights = vec![1.0; placing.observations()];
-    let model = FixedEffects(found.effects(statics));
+    let model = found.effects(statics);
     let [of_placing, of_judged] =
         [placing, judged].map(|rows| model.bound_to(rows).unwrap_or_else(|error| panic!("{error}")));
-    let model = model.0;
-    let arm = if model.effects.is_empty() && model.curves.is_empty() && model.averaged.is_none() {
+    let arm = if model.are_none() {
         fit(placing, &layout, &start, &NoEffects, &weights, &FitOptions::default()).arm
     } else {
         fit(placing, &layout, &start, &of_placing, &weights, &FitOptions::default()).arm

@@ -153,7 +153,7 @@ pub fn bands(errors: Errors, rows: usize, seed: u64) -> (Share, usize, usize) {
     let truth = gears(errors, &readings, seed);
     let found = calibrated(truth.clone(), readings.clone(), seed, false);
     let mut share = Share::default();
-    let curves = found.beyond_geometry().map_or(&[][..], |fit| &fit.effects.curves);
+    let curves = found.named().map_or(&[][..], |fit| &fit.effects.curves);
     for curve in curves {
         let own: Vec<Effect> =
             truth.iter().filter(|effect| effect.term.carrier == Carrier::Joint(curve.joint)).cloned().collect();

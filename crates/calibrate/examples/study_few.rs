@@ -287,13 +287,10 @@ fn judged(
         if std::env::var("SIZES").is_ok() {
             println!(
                 "   {:?} left out {:?} calibrated {:?}",
-                averaging.sizes,
-                averaging.left_out,
-                averaging.fit.effects.averaged.as_ref().map(|a| a.known.calibrated)
+                averaging.sizes, averaging.left_out, averaging.fit.effects.known.calibrated
             );
         }
-        let model = bound_later(&averaging.fit.effects, &train, &test).unwrap();
-        let blend = model.averaged.as_ref().unwrap();
+        let blend = bound_later(&averaging.fit.effects, &train, &test).unwrap();
         for residual in &left {
             let conditions = Conditions::of(Row::new(&test, residual.row));
             let inside =

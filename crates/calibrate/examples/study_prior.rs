@@ -76,7 +76,7 @@ pub fn run(poses: usize, seed: u64) -> Run {
     // The true robot in the frame of the fit's report.
     let inside = |result: &Calibration| {
         let updated = result.carried.as_ref().map(|carried| &carried.updated);
-        let fit = updated.or(result.beyond_geometry()).unwrap();
+        let fit = updated.or(result.named()).unwrap();
         let truth = Arm { joints: before.arm.joints.clone(), ..fit.arm.clone() };
         let truth = gauge::centred(&fit.layout, &truth, &fit.arm);
         let [expected, estimated] = [&truth, &fit.arm].map(|arm| fit.layout.difference(arm, &truth));

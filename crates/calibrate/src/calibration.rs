@@ -10,11 +10,15 @@ pub mod monitor;
 pub(crate) mod open;
 pub mod placed_anew;
 pub(crate) mod prediction;
+mod result;
 pub mod rows;
+mod stage_residuals;
 mod stages;
 mod tips;
 
-pub use self::stages::StageResiduals;
+pub use self::adoption::AdoptedFit;
+pub use self::result::Calibration;
+pub use self::stage_residuals::StageResiduals;
 
 use self::diagnosis::explained::{Explained, explained};
 use self::diagnosis::{Corrected, Diagnosis};
@@ -27,13 +31,12 @@ use crate::calibration::contract::{
 use crate::calibration::drawing_differences::{DrawingDifference, drawing_differences};
 use crate::calibration::expected::Expected;
 use crate::calibration::rows::Rows;
-use crate::calibration::stages::{Beyond, Stages, beyond, geometric_stages, geometry_at, kept};
-use denavit_identify::arm::Arm;
+use crate::calibration::stages::{Beyond, Stages, beyond, geometric_stages, kept};
 use denavit_identify::averaging::{Averaging, Named, NotAveraged, averaged};
 use denavit_identify::carried::{self, Carried};
 use denavit_identify::effects::curve::Curve;
 use denavit_identify::effects::driver::Statics;
-use denavit_identify::effects::model::{EffectModel, Term};
+use denavit_identify::effects::model::Term;
 use denavit_identify::effects::survey::{Survey, with_run_order, with_run_order_after};
 use denavit_identify::identifiability::{Identifiability, UnidentifiableParameter, identifiability};
 use denavit_identify::information::Information;
@@ -43,7 +46,7 @@ use denavit_identify::noise::{HeldCurve, NoiseModel, noise_model};
 use denavit_identify::parameters::{Freedom, NoEffects};
 use denavit_identify::posterior::{KnownParameter, Posterior};
 use denavit_identify::proportion::{OutOfProportion, within_proportion};
-use denavit_identify::quantization::{self, Rounding};
+use denavit_identify::quantization;
 use denavit_identify::redundancy::{Redundancy, different};
 use denavit_identify::residual_statistics::{Residual, TestError, bound_later};
 use denavit_identify::solve::{Fit, Unfinished, outside};
@@ -203,64 +206,6 @@ fn in_postures(rows: usize, postures: usize) -> String {
         (rows, postures) if rows == postures => String::new(),
         (_, 1) => " in one posture, measured repeatedly".into(),
         (_, postures) => format!(" in {postures} different postures"),
-    }
-}
-
-/// A calibration's result.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Calibration {
-    /// The contract.
-    pub report: CalibrationReport,
-    /// Posterior of the parameters in the report from the rows alone, without the prior; `None` if no axis was identified.
-    pub information: Option<Information>,
-    /// Nominal and geometric fit.
-    pub identification: Identification,
-    /// The last stage with named causes or error curves.
-    pub beyond: Option<Box<Fit<EffectModel>>>,
-    /// The recommended prediction, averaged over the possible models; `Err` says why there is none.
-    pub averaging: Result<Box<Averaging>, NotAveraged>,
-    /// The result of the tracer, if requested.
-    pub trace: Option<Trace>,
-    /// Error curves of the joints, if requested.
-    pub curves: Option<CurveFit>,
-    /// The effects and curves of an earlier calibration on these rows, if it has some.
-    pub carried: Option<Carried>,
-    /// Counts, and what is unidentifiable.
-    pub identifiability: Identifiability,
-    /// Rounded readings, where there are any.
-    pub rounding: Option<Rounding>,
-    /// The rows fitted.
-    pub train: Arc<Measurements>,
-    /// The rows held out.
-    pub test: Option<Arc<Measurements>>,
-}
-
-impl Calibration {
-    /// The arm at the stage that was adopted.
-    pub fn arm(&self) -> &Arm {
-        self.beyond_geometry().map_or(&self.without_effects().arm, |fit| &fit.arm)
-    }
-
-    /// The fit that was adopted, where it holds geometry alone; else the geometric one.
-    pub fn without_effects(&self) -> &Fit<NoEffects> {
-        geometry_at(&self.identification, self.report.adopted)
-    }
-
-    /// The fit that was adopted, if it holds more than geometry: everything averaged, effects or error curves.
-    pub fn beyond_geometry(&self) -> Option<&Fit<EffectModel>> {
-        self.averaging.as_ref().ok().map(|averaging| &averaging.fit).or(self.named())
-    }
-
-    /// The last stage with causes or error curves.
-    pub fn named(&self) -> Option<&Fit<EffectModel>> {
-        self.beyond.as_deref()
-    }
-
-    /// The effects and error curves at the adopted stage; none if there was no search for them.
-    pub fn effects(&self, statics: &Statics) -> EffectModel {
-        let none = || EffectModel::new(statics.clone(), Vec::new());
-        self.beyond_geometry().map_or_else(none, |fit| fit.effects.clone())
     }
 }
 
@@ -550,8 +495,9 @@ fn held_curves(curves: &[Curve]) -> Vec<HeldCurve<'_>> {
 
 /// The parts of the report that concern the whole result.
 fn describe(result: &mut Calibration, statics: &Statics) {
-    result.report.placements = Some(rows::placements(result));
-    result.report.rows = Rows::of(result);
+    result.report.placements = Some(rows::placements(result.arm(), &result.train.scene));
+    let (train, test) = (&result.train, result.test.as_ref());
+    result.report.rows = Rows::of(result.fit(), (train, test), result.report.placed_anew.as_ref());
     result.report.prospect = result.prospect(statics);
 }
 

@@ -7,7 +7,7 @@ use denavit_calibrate::calibration::adoption::Adopted;
 use denavit_calibrate::calibration::{CalibrateOptions, Calibration, calibrate};
 use denavit_identify::arm::Row;
 use denavit_identify::effects::{
-    Carrier, Conditions, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term,
+    Carrier, Conditions, Correction, Coupling, Driver, Effect, EffectModel, Kind, SavedEffects, Statics, Term,
 };
 use denavit_identify::simulate::{SimulationOptions, simulate};
 use denavit_measurements::kinds::ObservationKind;
@@ -89,7 +89,7 @@ fn what_is_saved_predicts_the_same_and_does_without_unrecorded_columns() {
     let calibrated = result.arm().chain_to(0);
     for row in [0, 7, 29] {
         let conditions = Conditions::of(Row::new(data, row));
-        let place = |model: &EffectModel| model.fk(&calibrated, &conditions).translation.vector;
+        let place = |model: &Correction| model.fk(&calibrated, &conditions).translation.vector;
         assert!((place(&model) - place(&bound)).norm() < 1e-9, "{}", (place(&model) - place(&bound)).norm());
         assert!((place(&model) - place(&plain)).norm() < 1e-3);
         assert!((place(&model) - calibrated.fk(conditions.reading).translation.vector).norm() > 1e-6);
@@ -131,7 +131,7 @@ fn outside_of_what_was_measured_the_prediction_is_unsure_and_goes_back_to_geomet
     let expected = result.report.prediction.as_ref().unwrap();
     let first = expected.outside.iter().find(|outside| outside.joint == train.joints[0]).unwrap();
     assert!(first.error_m > 1.5 * expected.inside_m, "{first:?} {}", expected.inside_m);
-    let averaged = result.beyond_geometry().unwrap().effects.averaged.clone().unwrap();
+    let averaged = &result.averaging.as_ref().unwrap().fit.effects;
     let blend = |reading: &[f64]| {
         let mut conditions = Conditions::of(Row::new(&result.train, 0));
         conditions.reading = reading;

@@ -1,6 +1,7 @@
 //! What effects follow is bound to columns: one that is missing, or that has an empty cell, is an error and never 0.
 
 use denavit_calibrate::Measurements;
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_identify::parameters::Effects as _;
@@ -107,7 +108,7 @@ fn latency_needs_the_velocity_of_every_joint_that_moves() {
             data.readings.iter_mut().skip(still).step_by(n).for_each(|reading| *reading = 0.4);
         }
         let survey = Survey::of(&statics, &with_run_order(data), Vec::new());
-        (Kind::Latency.entry().terms)(&survey).len()
+        candidates(Kind::Latency, &survey).len()
     };
     assert_eq!(offered(&[0, 1, 2, 3, 4, 5], None), 1);
     assert_eq!(offered(&[0, 1, 2, 3, 5], None), 0);

@@ -65,7 +65,7 @@ fn a_gear_of_many_orders_is_a_curve_of_its_joint() {
     // 0.05 mm per component is 0.0866 mm of length: what is left is noise and what 350 rows cannot tell.
     assert!(rms(1) > 0.15e-3 && rms(2) < 0.1e-3, "{} {}", rms(1), rms(2));
     // The truth lies within the stated uncertainty, but for what geometry has of it: a constant and little more.
-    let curve = &result.beyond_geometry().unwrap().effects.curves[0];
+    let curve = &result.named().unwrap().effects.curves[0];
     let truth = |q: f64| -> f64 {
         let of = |effect: &Effect| match effect.term.driver {
             Driver::Harmonic { order, .. } => {
@@ -172,7 +172,7 @@ fn a_curve_is_no_larger_in_a_gap_than_at_the_rows() {
     let rows: Vec<usize> = (0..all.len()).filter(|&row| !gap.contains(&readings[row])).collect();
     let options = CalibrateOptions { curves: Some(CurveOptions::default()), ..CalibrateOptions::geometry(&chain) };
     let result = calibrate(&chain, &model.statics, all.subset(&rows), None, &options).unwrap();
-    let curves = &result.beyond_geometry().unwrap().effects.curves;
+    let curves = &result.named().unwrap().effects.curves;
     let curve = curves.iter().find(|curve| curve.joint == 1).unwrap();
     let square: f64 = rows.iter().map(|&row| curve.value(readings[row]).powi(2)).sum();
     let rms = (square / rows.len() as f64).sqrt();
@@ -211,11 +211,11 @@ fn rows_that_repeat_a_posture_do_not_make_curves() {
 #[test]
 fn a_saved_model_keeps_its_curves() {
     let result = curves(400, 3, &gear());
-    let model = &result.beyond_geometry().unwrap().effects;
+    let model = &result.named().unwrap().effects;
     assert_eq!(model.curves.len(), 1);
     let again = SavedEffects::from_json("effects.json", &model.to_json(), &model.statics).unwrap();
     assert_eq!(again, model.saved());
-    assert_eq!(again.bound(&|name| result.train.column(name)).unwrap(), *model);
+    assert_eq!(again.bound(&|name| result.train.column(name)).unwrap(), model.clone().into());
     let mut beyond: serde_json::Value = serde_json::from_str(&model.to_json()).unwrap();
     beyond["curves"][0]["joint"] = 9.into();
     let beyond = beyond.to_string();

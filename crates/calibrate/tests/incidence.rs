@@ -2,6 +2,7 @@
 
 use crate::drawn::ur5e;
 use denavit_calibrate::IdentifyOptions;
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Carrier, Coupling, Driver, Effect, EffectModel, Kind, Statics, Term};
 use denavit_identify::identify;
@@ -89,7 +90,7 @@ fn it_is_no_candidate_without_a_line_of_sight() {
     let (chain, statics) = ur5e();
     let offered = |kind| {
         let data = with_run_order(simulate(&chain, &options(kind, 30, 1), &NoEffects).data);
-        (Kind::TargetIncidence.entry().terms)(&Survey::of(&statics, &data, Vec::new())).len()
+        candidates(Kind::TargetIncidence, &Survey::of(&statics, &data, Vec::new())).len()
     };
     assert_eq!([ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].map(offered), [2, 2, 0]);
 }

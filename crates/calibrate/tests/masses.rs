@@ -137,7 +137,7 @@ fn a_calibration_says_and_keeps_the_masses_that_it_used() {
     let refused = calibrate(&chain, &weighed, rows(&chain, None, 1), None, &options);
     assert!(matches!(refused, Err(CalibrateError::MassesKnown)), "{:?}", refused.err());
     // The file of effects has them, so that `fk --effects` loads the joints as the fit did.
-    let fitted = result.effects(&rods);
+    let fitted = result.effects(&rods).effects;
     let saved = SavedEffects::from_json("effects.json", &fitted.to_json(), &rods).unwrap();
     assert_eq!(saved.statics.masses, fitted.statics.masses);
     let written: Vec<f64> = saved.statics.masses.points.iter().map(|point| point.mass).collect();

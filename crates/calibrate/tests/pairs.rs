@@ -7,6 +7,7 @@
 use denavit_calibrate::{Arm, Freedom, Measurements, Tolerances};
 use denavit_identify::arm::Perturbation;
 use denavit_identify::arm::Row;
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{EffectModel, KINDS, Kind, Statics, Term};
 use denavit_identify::parameters::Effects as _;
@@ -152,7 +153,7 @@ fn every_pair_of_the_catalogue_moves_the_residual_as_its_closed_form_says() {
             for statics in &statics {
                 let gears = vec![Some(50.0); chain.joints().len()];
                 let survey = Survey::of(statics, &data, gears);
-                let terms = KINDS.iter().flat_map(|entry| (entry.terms)(&survey));
+                let terms = KINDS.iter().flat_map(|entry| candidates(entry.kind, &survey));
                 for candidate in terms {
                     compare(&candidate.term, statics, &arm, &data, &mut all);
                 }

@@ -94,7 +94,7 @@ fn ten_poses_bring_curves_up_to_date_as_one_fit_of_both_days_does() {
         // What was carried over is in the model that is handed on, and in the report.
         let found: Vec<&str> = after.report.curves.iter().map(|curve| curve.joint.as_str()).collect();
         assert_eq!(found, ["joint_2", "joint_3"]);
-        assert_eq!(after.effects(&statics()).curves.len(), 2);
+        assert_eq!(after.effects(&statics()).effects.curves.len(), 2);
         assert!(
             text::calibration(&after).contains("2 of its 2 effects and error curves are carried over"),
             "{}",

@@ -6,6 +6,7 @@ use crate::hands::{TWO_ARMS, both};
 use denavit_calibrate::calibration::{CalibrateOptions, calibrate};
 use denavit_calibrate::{Arm, Freedom, IdentifyOptions, Tolerances};
 use denavit_identify::arm::{Perturbation, RowState};
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::survey::{Survey, with_run_order};
 use denavit_identify::effects::{Conditions, Effect, EffectModel, KINDS, SavedEffects, Statics};
 use denavit_identify::gauge;
@@ -362,7 +363,7 @@ fn effects_have_their_derivatives_in_rows_of_their_arm_and_none_in_the_others() 
     let survey = Survey::of(&statics, &data, Vec::new());
     let mut seen: Vec<(String, usize)> = Vec::new();
     for entry in KINDS {
-        for candidate in (entry.terms)(&survey) {
+        for candidate in candidates(entry.kind, &survey) {
             let term = candidate.term;
             let place = (format!("{:?} {:?}", term.kind, term.carrier), term.driver.len(&statics));
             if seen.contains(&place) {
@@ -409,7 +410,7 @@ fn effects_of_one_tip_act_as_they_do_among_those_of_all() {
     let data = with_run_order(simulate(&chain, &options(&tips, 8, 3), &NoEffects).data);
     let survey = Survey::of(&statics, &data, Vec::new());
     let mut effects: Vec<Effect> = Vec::new();
-    for candidate in KINDS.iter().flat_map(|entry| (entry.terms)(&survey)) {
+    for candidate in KINDS.iter().flat_map(|entry| candidates(entry.kind, &survey)) {
         let term = candidate.term;
         let alike = |other: &Effect| {
             other.term.kind == term.kind
@@ -522,7 +523,7 @@ fn what_is_averaged_for_one_tip_predicts_as_it_does_among_those_of_all_in_a_file
             let mut state = RowState::default();
             arm.state_into(&q, index, Some(&perturbation), &mut state);
             let alone = model.to_tip(index);
-            let saved = SavedEffects::from_json("effects.json", &alone.to_json(), &alone.statics).unwrap();
+            let saved = SavedEffects::from_json("effects.json", &alone.to_json(), &alone.effects.statics).unwrap();
             let absent = |name: &str| Err(MissingColumn::Absent { file: "none".into(), column: name.into() });
             for model in [&alone, &saved.bound(&absent).unwrap()] {
                 let (turned, moved) = se3::difference(&model.fk(&arm.chain_to(index), &conditions(&own)), &state.tip);

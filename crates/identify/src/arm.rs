@@ -283,6 +283,18 @@ impl Perturbation {
         self.sight += other.sight;
     }
 
+    /// base_from_tip of a chain of one tip with this perturbation at these readings, m.
+    ///
+    /// # Panics
+    /// `chain` has other joints than the perturbation, or `reading` is too short.
+    pub fn fk(&self, chain: &Chain, reading: &[f64]) -> Pose {
+        let mut reached = Pose::identity();
+        for (joint, twist) in chain.joints().iter().zip(&self.twists) {
+            reached *= se3::exp(twist) * joint.screw.motion(joint.value(reading));
+        }
+        reached * se3::exp(&self.twists[chain.joints().len()]) * chain.home()
+    }
+
     /// Back to no perturbation, without allocation.
     pub fn clear(&mut self) {
         self.twists.fill(Vector6::zeros());

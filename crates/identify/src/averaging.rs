@@ -28,7 +28,6 @@ use denavit_linear::{Curvature, Gram};
 use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3};
 use denavit_model::{Chain, Pose, se3};
-use std::sync::Arc;
 
 /// Number of linearisations. One is too few for nonlinear fits: measured on the Motoman's draws of March 2019.
 const PASSES: usize = 3;
@@ -98,7 +97,7 @@ pub struct Named<'a> {
 #[derive(Debug, Clone)]
 pub struct Averaging {
     /// The recommended prediction: the arm of the geometric fit, with instruments and targets of the averaged one. It has no sums of squares.
-    pub fit: Fit<EffectModel>,
+    pub fit: Fit<Averaged>,
     /// The sizes.
     pub sizes: Sizes,
     /// Root mean square of leave-one-posture-out residuals, m per axis: geometry alone, and the blend of geometry and the averaged robot.
@@ -253,7 +252,7 @@ pub fn averaged(
         )
     });
     with_threads(|| {
-        let (found, left_out, plain) = averager(&terms).run(statics, &identification.nominal.arm, geometric)?;
+        let (found, left_out, plain) = averager(&terms).run(&identification.nominal.arm, geometric)?;
         let named = of_named.as_ref().and_then(|(named, terms)| averager(terms).named(named, &plain));
         let better = named.as_ref().is_some_and(|named| clearly_better(named, &left_out));
         Some((Averaging { named: named.map(|rows| mean_square(&rows).sqrt()), ..found }, better))
@@ -394,12 +393,7 @@ impl Averager<'_> {
     }
 
     /// The averaged prediction, the rows predicted by it from all others, and the final state of geometry alone.
-    fn run(
-        &self,
-        statics: &Statics,
-        nominal: &Arm,
-        geometric: &Fit<NoEffects>,
-    ) -> Option<(Averaging, Vec<LeftOut>, At)> {
+    fn run(&self, nominal: &Arm, geometric: &Fit<NoEffects>) -> Option<(Averaging, Vec<LeftOut>, At)> {
         let found = (&*geometric.noise.levels, geometric.layout.prior.widened);
         let of_geometry = Family::is_of_geometry;
         let start = |used: &dyn Fn(Family) -> bool, as_tolerated| Sizes::start(found, self.terms, used, as_tolerated);
@@ -420,8 +414,8 @@ impl Averager<'_> {
         at = self.until_converged(at, &self.all)?;
         let (spread, left_out) = self.left_out(&at)?;
         let v_g = mean_square(&of_geometry);
-        let mut found = self.result(statics, (nominal, geometric), &at, [spread, of_plain], v_g);
-        let averaged = Arc::make_mut(found.fit.effects.averaged.as_mut()?);
+        let mut found = self.result((nominal, geometric), &at, [spread, of_plain], v_g);
+        let averaged = &mut found.fit.effects;
         averaged.known.geometry_among_rows = self.median(&left_out, |conditions, _| averaged.unsure(conditions)[1])?;
         averaged.known.across = self.across(averaged, &left_out)?;
         let left_out = blended(&of_geometry, &left_out);
@@ -493,7 +487,6 @@ impl Averager<'_> {
 
     fn result(
         &self,
-        statics: &Statics,
         (nominal, geometric): (&Arm, &Fit<NoEffects>),
         at: &At,
         [spread, geometric_spread]: [Spread; 2],
@@ -549,12 +542,10 @@ impl Averager<'_> {
             ranges: ranges(self.data),
         };
         let averages = averages(&mean.0, self.data, &self.some);
-        let averaged = Arc::new(Averaged::new(mean, averages, known));
-        let effects = EffectModel { averaged: Some(averaged), ..EffectModel::new(statics.clone(), Vec::new()) };
         let fit = Fit {
             squares: Vec::new(),
             arm,
-            effects,
+            effects: Averaged::new(mean, averages, known),
             noise: Noise { levels: at.sizes.noise.iter().map(|size| size.exp()).collect() },
             layout: geometric.layout.clone(),
             weights: geometric.weights.clone(),

@@ -17,12 +17,14 @@
 mod lever;
 pub mod reml;
 mod rows;
+mod source;
 
 use self::lever::Arms;
 pub use self::lever::Lever;
 use self::reml::{Likeliest, Reml, Slope, Tied, of_numbers};
 pub use self::rows::HeldCurve;
 use self::rows::Prepared;
+use self::source::{Place, Source};
 use crate::parameters::Effects;
 use crate::solve::Fit;
 use crate::symmetric;
@@ -60,29 +62,6 @@ const EXACT: f64 = 1e-9;
 const NOT_TOLD: f64 = 1e4;
 /// Significance level of the test for correlation between neighbours in the run.
 const FALSE_ORDER: f64 = 0.01;
-
-/// Where a source acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Equally in every value of a channel.
-    Level(usize),
-    /// Along the instrument's line of sight.
-    Range,
-    /// Across it, growing with the distance.
-    Angle,
-    /// In the value of a joint's coordinate.
-    Joint(usize),
-}
-
-/// A source of noise, and the size at which it alone would explain all noise.
-#[derive(Debug, Clone, PartialEq)]
-struct Source {
-    place: Place,
-    name: String,
-    unit: &'static str,
-    /// In the unit.
-    unit_size: f64,
-}
 
 /// The sources of a fit's noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -106,7 +106,8 @@ fn together(data: &Measurements, row: usize) -> Vec<(&Series, ObservationKind, V
         }
     }
     let said = parts.iter().filter_map(|part| {
-        let (kind, values) = part[0].0.kind.together(part)?;
+        let corners = part.iter().filter_map(|(series, values)| Some((series.corner.as_ref()?, *values)));
+        let (kind, values) = part[0].0.kind.together(&corners.collect::<Vec<_>>())?;
         Some((part[0].0, kind, values))
     });
     said.collect()

@@ -13,7 +13,8 @@ mod position;
 mod socket;
 
 pub use self::pose::rotation as rotation_of_pose;
-use crate::{MeasurementError, Series};
+use crate::MeasurementError;
+use crate::board::Corner;
 use denavit_model::nalgebra::{Rotation3, Vector3};
 use serde::{Serialize, Serializer};
 
@@ -190,7 +191,7 @@ pub trait Recorded: Sync {
 
     /// A quantity that several observations of one target in one row and setup determine together, as another kind and its numbers. A
     /// fit starts from it.
-    fn together(&self, _seen: &[(&Series, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
+    fn together(&self, _seen: &[(&Corner, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
         None
     }
 

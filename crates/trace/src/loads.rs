@@ -14,6 +14,7 @@
 use crate::linear::{Linear, linearise};
 use crate::projected::{Projected, RowProducts, fit_with};
 use crate::projector::Projector;
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::Kind;
 use denavit_identify::effects::driver::{Driver, Statics};
@@ -165,7 +166,7 @@ pub(super) fn smooth(survey: &Survey) -> Vec<Term> {
     let waves = survey.moving().flat_map(|joint| {
         [1.0, 2.0].map(|order| of_joint(Kind::TransmissionError, joint, Driver::Harmonic { joint, order }))
     });
-    let play = (Kind::Backlash.entry().terms)(survey).into_iter().map(|candidate| candidate.term);
+    let play = candidates(Kind::Backlash, survey).into_iter().map(|candidate| candidate.term);
     waves.chain(play.filter(|term| matches!(term.driver, Driver::Approach(_)))).collect()
 }
 

@@ -3,7 +3,7 @@
 use crate::linear::Linear;
 use crate::scorer::CandidateScorer;
 use crate::tracer::{State, Tracer};
-use denavit_identify::effects::catalogue::Candidate;
+use denavit_identify::effects::candidates::Candidate;
 use denavit_identify::effects::driver::{Driver, Side};
 use denavit_identify::effects::model::Coupling;
 use serde::Serialize;

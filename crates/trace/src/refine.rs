@@ -3,7 +3,7 @@
 use crate::by_carrier::{ByCarrier, ByRow};
 use crate::downdate::Reduced;
 use crate::scorer::{CandidateScorer, Scored};
-use denavit_identify::effects::catalogue::Candidate;
+use denavit_identify::effects::candidates::Candidate;
 use denavit_identify::effects::driver::{BumpShape, Driver};
 use denavit_identify::effects::survey::Survey;
 use denavit_measurements::Column;

@@ -6,8 +6,9 @@ use crate::linear::{Linear, linearise};
 use crate::scorer::{CandidateScorer, Linearised, Scored, carriers_of, driven};
 use crate::{ScanCell, TraceOptions};
 use denavit_identify::arm::Arm;
+use denavit_identify::effects::candidates::{Candidate, candidates};
 use denavit_identify::effects::carrier::Carrier;
-use denavit_identify::effects::catalogue::{Candidate, KINDS, Kind};
+use denavit_identify::effects::catalogue::{KINDS, Kind};
 use denavit_identify::effects::driver::{Driver, Statics};
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::survey::Survey;
@@ -71,7 +72,7 @@ impl<'a> Tracer<'a> {
         let survey = Survey::of(statics, data, options.gear_ratios.clone());
         let wanted = |kind: Kind| options.kinds.is_empty() || options.kinds.contains(&kind);
         let candidates: Vec<Candidate> =
-            KINDS.iter().filter(|entry| wanted(entry.kind)).flat_map(|entry| (entry.terms)(&survey)).collect();
+            KINDS.iter().filter(|entry| wanted(entry.kind)).flat_map(|entry| candidates(entry.kind, &survey)).collect();
         let mut carriers = carriers_of(candidates.iter().map(|candidate| &candidate.term));
         for carrier in blocks::carriers(&survey) {
             if !carriers.contains(&carrier) {

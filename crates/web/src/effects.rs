@@ -2,6 +2,7 @@
 
 use crate::answers::words;
 use crate::question::RobotText;
+use denavit_identify::effects::candidates::candidates;
 use denavit_identify::effects::catalogue::KINDS;
 use denavit_identify::effects::driver::{Conditions, Statics};
 use denavit_identify::effects::survey::{Survey, with_run_order};
@@ -40,7 +41,7 @@ pub fn possible(source: &RobotText) -> Result<Value, String> {
     let mut kinds = Vec::new();
     for entry in KINDS {
         let mut places: Vec<String> = Vec::new();
-        for candidate in (entry.terms)(&survey) {
+        for candidate in candidates(entry.kind, &survey) {
             let place = candidate.term.carrier.place(&chain);
             let of_posture = candidate.term.driver.columns().is_empty();
             if of_posture && candidate.term.moves_the_tip() && !places.contains(&place) {

@@ -1,6 +1,10 @@
 //! The adopted stage of a calibration, and whether held-out rows are worse with it: they test stages but do not choose one.
 
+use denavit_identify::effects::averaged::Averaged;
+use denavit_identify::effects::model::EffectModel;
+use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual_statistics::{Residual, above_zero};
+use denavit_identify::solve::Fit;
 use serde::Serialize;
 
 /// Significance level: a stage that changes nothing looks worse on held-out rows in one file of a hundred.
@@ -26,6 +30,17 @@ pub enum Adopted {
     Curves,
     /// The average over the possible models, blended with plain geometry.
     Averaged,
+}
+
+/// The fit of the adopted stage.
+#[derive(Debug, Clone, Copy)]
+pub enum AdoptedFit<'a> {
+    /// Geometry alone.
+    Geometry(&'a Fit<NoEffects>),
+    /// With effects or error curves.
+    Named(&'a Fit<EffectModel>),
+    /// Everything that may act, averaged.
+    Averaged(&'a Fit<Averaged>),
 }
 
 /// Whether held-out rows are worse after a stage than before it, by more than chance.

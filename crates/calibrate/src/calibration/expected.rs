@@ -44,9 +44,7 @@ impl Expected {
     /// Of a result.
     pub fn of(averaging: &Averaging, data: &Measurements) -> Self {
         let root = (data.scene.channels.iter().map(|part| part.height).max().unwrap_or(1).min(3) as f64).sqrt();
-        let Some(averaged) = &averaging.fit.effects.averaged else {
-            return Self { inside_m: f64::NAN, geometric_m: root * averaging.left_out[0], outside: Vec::new() };
-        };
+        let averaged = &averaging.fit.effects;
         let rows = data.spread_by_posture(POSTURES.min(data.len()));
         let mut inside: Vec<f64> =
             rows.iter().map(|&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row)))).collect();

@@ -1,6 +1,6 @@
 //! The calibrated model compared with rows that were measured later.
 
-use crate::calibration::Calibration;
+use crate::calibration::{AdoptedFit, Calibration};
 use denavit_identify::effects::survey::with_run_order_after;
 use denavit_identify::parameters::Effects;
 use denavit_identify::residual_statistics::{Errors, Residual, TestError, bound_later, errors, placed, residuals};
@@ -23,10 +23,11 @@ impl Calibration {
     /// Rows of another kind, of a target or setup that nothing places, or without a column that an effect follows.
     pub fn predict(&self, later: Measurements) -> Result<Prediction, TestError> {
         let later = with_run_order_after(later.placed_again(), &self.train);
-        if let Some(fit) = self.beyond_geometry() {
-            return self.predicted(fit, &later);
+        match self.fit() {
+            AdoptedFit::Geometry(fit) => self.predicted(fit, &later),
+            AdoptedFit::Named(fit) => self.predicted(fit, &later),
+            AdoptedFit::Averaged(fit) => self.predicted(fit, &later),
         }
-        self.predicted(self.without_effects(), &later)
     }
 
     fn predicted<E: Effects>(&self, fit: &Fit<E>, later: &Measurements) -> Result<Prediction, TestError> {

@@ -1,14 +1,15 @@
 //! The residual of every row at the adopted stage, and the estimated places of instruments, targets and points, which an engineer
 //! who knows the cell checks first.
 
-use crate::calibration::Calibration;
+use crate::calibration::adoption::AdoptedFit;
+use crate::calibration::placed_anew::PlacedAnew;
 use denavit_identify::arm::Arm;
-use denavit_identify::effects::model::EffectModel;
+use denavit_identify::effects::Correction;
 use denavit_identify::parameters::{Effects, NoEffects};
 use denavit_identify::residual_statistics::{Residual, bound_later, placed, residuals_of};
 use denavit_identify::solve::Fit;
-use denavit_measurements::Measurements;
 use denavit_measurements::board::Corner;
+use denavit_measurements::{Measurements, Scene};
 use denavit_model::Pose;
 use denavit_model::nalgebra::UnitQuaternion;
 use serde::ser::SerializeSeq as _;
@@ -88,25 +89,31 @@ struct FileResiduals {
     data: Arc<Measurements>,
     arm: Arm,
     /// For `data`; none where geometry alone was adopted.
-    effects: Option<EffectModel>,
+    effects: Option<Correction>,
     /// Observations rejected as gross errors, ascending.
     rejected: Vec<usize>,
     held_out: bool,
 }
 
 impl Rows {
-    /// Of a calibration.
-    pub(super) fn of(result: &Calibration) -> Self {
-        match result.beyond_geometry() {
-            Some(fit) => Self::left_by(fit, result, Some),
-            None => Self::left_by(result.without_effects(), result, |_| None),
+    /// Of an adopted fit.
+    pub(super) fn of(
+        fit: AdoptedFit<'_>,
+        rows: (&Arc<Measurements>, Option<&Arc<Measurements>>),
+        placed_anew: Option<&PlacedAnew>,
+    ) -> Self {
+        match fit {
+            AdoptedFit::Geometry(fit) => Self::left_by(fit, rows, placed_anew, |_| None),
+            AdoptedFit::Named(fit) => Self::left_by(fit, rows, placed_anew, |effects| Some(effects.into())),
+            AdoptedFit::Averaged(fit) => Self::left_by(fit, rows, placed_anew, |averaged| Some(averaged.into())),
         }
     }
 
     fn left_by<E: Effects>(
         fit: &Fit<E>,
-        Calibration { train, test, report, .. }: &Calibration,
-        model: impl Fn(E) -> Option<EffectModel>,
+        (train, test): (&Arc<Measurements>, Option<&Arc<Measurements>>),
+        placed_anew: Option<&PlacedAnew>,
+        model: impl Fn(E) -> Option<Correction>,
     ) -> Self {
         let rejected = fit.weights.iter().enumerate().filter(|(_, weight)| **weight == 0.0);
         let fitted = FileResiduals {
@@ -116,12 +123,14 @@ impl Rows {
             rejected: rejected.map(|(observation, _)| observation).collect(),
             held_out: false,
         };
-        let judged = test.as_ref().map(|test| FileResiduals {
+        let judged = test.map(|test| FileResiduals {
             data: test.clone(),
             arm: {
                 let mut arm =
                     placed(fit, train, test).expect("the held-out rows were placed when the stage was judged");
-                report.placed_anew.iter().for_each(|anew| anew.apply(&mut arm));
+                if let Some(anew) = placed_anew {
+                    anew.apply(&mut arm);
+                }
                 arm
             },
             effects: model(bound_later(&fit.effects, train, test).expect("effects were bound when it was judged")),
@@ -197,8 +206,7 @@ impl FileResiduals {
 }
 
 /// Instruments, targets and points at the adopted stage.
-pub(super) fn placements(result: &Calibration) -> Placements {
-    let (arm, scene) = (result.arm(), &result.train.scene);
+pub(super) fn placements(arm: &Arm, scene: &Scene) -> Placements {
     let placed = |name: &String, pose: &Pose, turns: bool| {
         let quaternion = UnitQuaternion::from_rotation_matrix(&pose.rotation);
         let xyzw = quaternion.coords;

@@ -1,11 +1,11 @@
 //! The stages of a calibration: the error of each, which one is adopted, and residuals on request.
 
-use crate::calibration::Calibration;
 use crate::calibration::adoption::{Adopted, worse};
 use crate::calibration::contract::Stage;
 use crate::calibration::placed_anew::PlacedAnew;
 use denavit_identify::Identification;
 use denavit_identify::carried::{Carried, Gains};
+use denavit_identify::effects::averaged::Averaged;
 use denavit_identify::effects::curve_modes::CurveModes;
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::parameters::{Effects, NoEffects};
@@ -23,62 +23,10 @@ use std::borrow::Cow;
 const GEOMETRIC: &str = "geometric";
 const UPDATED: &str = "updated";
 /// The last stage: everything that may act, averaged.
-const AVERAGED: &str = "averaged";
+pub(super) const AVERAGED: &str = "averaged";
 
 /// A stage with geometry alone: its name, its kind when adopted, its fit.
 pub(super) type GeometricStage<'a> = (&'static str, Adopted, &'a Fit<NoEffects>);
-
-/// Residuals of one stage.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageResiduals {
-    /// The stage.
-    pub name: String,
-    /// Of the fitted rows that were kept.
-    pub train: Vec<Residual>,
-    /// Of the held-out rows.
-    pub test: Vec<Residual>,
-}
-
-impl StageResiduals {
-    fn of<E: Effects>(name: &str, fit: &Fit<E>, train: &Measurements, test: Option<&Measurements>) -> Self {
-        let arm = |test| placed(fit, train, test).expect("the held-out rows were placed when the stage was judged");
-        let effects = |test| bound_later(&fit.effects, train, test).expect("the effects were bound when it was judged");
-        let test = test.map_or_else(Vec::new, |test| residuals(&arm(test), &effects(test), test));
-        Self { name: name.into(), train: kept(fit, train), test }
-    }
-}
-
-impl Calibration {
-    /// Residuals, stage by stage, computed on request: there may be a million rows.
-    pub fn residuals(&self) -> Vec<StageResiduals> {
-        let (train, test) = (&*self.train, self.test.as_deref());
-        let geometry = geometric_stages(&self.identification, self.carried.is_some()).into_iter();
-        let geometry = geometry.map(|(name, _, fit)| StageResiduals::of(name, fit, train, test));
-        let beyond = self.beyond_stages().into_iter();
-        let beyond = beyond.map(|stage| StageResiduals::of(&stage.name, &*stage.fit, train, test));
-        let averaged = self.averaging.as_ref().ok().map(|found| StageResiduals::of(AVERAGED, &found.fit, train, test));
-        geometry.chain(beyond).chain(averaged).collect()
-    }
-
-    /// The robot as drawn and the last stage, with residuals of the fitted rows, for plots.
-    pub fn first_and_last(&self) -> [StageResiduals; 2] {
-        let geometry = geometric_stages(&self.identification, self.carried.is_some());
-        let of_geometry = |index: usize| {
-            let (name, _, fit) = geometry[index];
-            StageResiduals::of(name, fit, &self.train, None)
-        };
-        let beyond = self.beyond_stages();
-        let last = match &self.averaging {
-            Ok(found) => Some(StageResiduals::of(AVERAGED, &found.fit, &self.train, None)),
-            Err(_) => beyond.last().map(|stage| StageResiduals::of(&stage.name, &*stage.fit, &self.train, None)),
-        };
-        [of_geometry(0), last.unwrap_or_else(|| of_geometry(geometry.len() - 1))]
-    }
-
-    fn beyond_stages(&self) -> Vec<Beyond<'_>> {
-        beyond(self.carried.as_ref(), self.curves.as_ref(), self.trace.as_ref())
-    }
-}
 
 /// Residuals of the fitted rows that were kept.
 pub(super) fn kept<E: Effects>(fit: &Fit<E>, train: &Measurements) -> Vec<Residual> {
@@ -175,7 +123,7 @@ impl<'a> Stages<'a> {
     }
 
     /// Adds the averaged stage.
-    pub fn add_averaged(&mut self, averaged: &Fit<EffectModel>) -> Result<(), TestError> {
+    pub fn add_averaged(&mut self, averaged: &Fit<Averaged>) -> Result<(), TestError> {
         self.add(AVERAGED.into(), averaged)
     }
 

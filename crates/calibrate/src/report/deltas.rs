@@ -1,6 +1,6 @@
 //! Nominal, actual and delta with standard deviations: the changes to a controller's table.
 
-use crate::calibration::Calibration;
+use crate::calibration::{AdoptedFit, Calibration};
 use denavit_dh::convert::HAYATI_BELOW;
 use denavit_dh::matching::{MatchError, VendorTable, Verdict, match_table};
 use denavit_dh::nearest::Parallels;
@@ -53,9 +53,10 @@ const LEAST_STEP: f64 = 1e-9;
 /// # Errors
 /// The nominal table is another arm's.
 pub fn of(result: &Calibration, tip: usize, nominal: &Nominal) -> Result<Vec<Delta>, DeltasError> {
-    match result.beyond_geometry() {
-        Some(fit) => of_fit(fit, tip, nominal),
-        None => of_fit(result.without_effects(), tip, nominal),
+    match result.fit() {
+        AdoptedFit::Geometry(fit) => of_fit(fit, tip, nominal),
+        AdoptedFit::Named(fit) => of_fit(fit, tip, nominal),
+        AdoptedFit::Averaged(fit) => of_fit(fit, tip, nominal),
     }
 }
 

@@ -1,9 +1,9 @@
 //! A calibration as text for a terminal.
 
 use crate::apply::plan::tell_apart::Prospect;
-use crate::calibration::Calibration;
 use crate::calibration::adoption::Adopted;
 use crate::calibration::contract::{CalibrationReport, HeldBy, Stage, TipEntry};
+use crate::calibration::{AdoptedFit, Calibration};
 use crate::report::axes::axes;
 use crate::report::curves::{curves, fields};
 use crate::report::findings::findings;
@@ -67,9 +67,10 @@ pub fn parameters<E>(fit: &Fit<E>) -> String {
 
 /// The parameters of the last stage: with effects, where there are some.
 pub fn final_parameters(result: &Calibration) -> String {
-    match result.beyond_geometry() {
-        Some(fit) => parameters(fit),
-        None => parameters(&result.identification.geometric),
+    match result.fit() {
+        AdoptedFit::Geometry(_) => parameters(&result.identification.geometric),
+        AdoptedFit::Named(fit) => parameters(fit),
+        AdoptedFit::Averaged(fit) => parameters(fit),
     }
 }
 
@@ -283,10 +284,11 @@ pub fn report(result: &Calibration) -> String {
     if result.report.zeros().next().is_some() {
         return format!("{}\n{}", calibration(result), zeros(result));
     }
-    let axes = match (result.beyond_geometry(), result.report.adopted) {
+    let axes = match (result.fit(), result.report.adopted) {
         (_, Adopted::Nominal | Adopted::Earlier) => return calibration(result),
-        (Some(fit), _) => axes(fit),
-        _ => axes(&result.identification.geometric),
+        (AdoptedFit::Geometry(_), _) => axes(&result.identification.geometric),
+        (AdoptedFit::Named(fit), _) => axes(fit),
+        (AdoptedFit::Averaged(fit), _) => axes(fit),
     };
     format!("{}\n{axes}", calibration(result))
 }

@@ -3,8 +3,9 @@
 //! Nothing is selected. Drivers are scaled by the robot (its turns, its moments of gravity at postures spread over the joints' ranges), never by
 //! the data: a unit of a family's size is about a radian at a joint, or a metre.
 
+use crate::effects::candidates::tilting;
 use crate::effects::carrier::Carrier;
-use crate::effects::catalogue::{Kind, tilting};
+use crate::effects::catalogue::Kind;
 use crate::effects::curve::{Curve, Waves};
 use crate::effects::driver::{
     APPROACH, APPROACH_FROM_ROWS, CURRENT, Conditions, Driver, EFFORT, MOTOR_TORQUE, Side, Statics,

@@ -10,13 +10,14 @@
 
 pub mod written;
 
-use crate::arm::{AlongSight, Arm, Perturbation, RowState};
+use crate::arm::{AlongSight, Arm, Perturbation, Perturbed, Row, RowState};
 use crate::effects::driver::{Conditions, Driver};
 use crate::effects::everything::Everything;
 use crate::effects::model::{Effect, EffectModel, Standing, Term};
-use crate::parameters::Sensitivity;
+use crate::effects::written::named;
+use crate::parameters::{Effects, Parameter, Sensitivity};
 use denavit_linear::triangle::dot;
-use denavit_measurements::{Column, MissingColumn};
+use denavit_measurements::{Column, Measurements, MissingColumn};
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
 
@@ -113,7 +114,7 @@ pub struct Blend {
 impl Averaged {
     /// With everything at its mean. `statics` and curves are those of `mean`.
     pub fn new(mean: Everything, averages: Vec<Vec<f64>>, known: Known) -> Self {
-        let effects = mean.0.saved().effects;
+        let effects = mean.0.effects.iter().map(|effect| named(effect, &mean.0.statics.chain)).collect();
         let timeless = timeless(&mean, &averages);
         Self { effects, averages, model: mean, timeless, known }
     }
@@ -154,7 +155,7 @@ impl Averaged {
     }
 
     /// The part of its state that is the same for all rows.
-    pub(super) fn standing(&self) -> Standing {
+    pub(super) fn at_home(&self) -> Standing {
         self.model.0.standing_of(&self.known.drawn.joints)
     }
 
@@ -261,7 +262,7 @@ impl Averaged {
 
     /// The weights of the averaged robot, the drawn one and geometry alone under these conditions.
     pub fn blend(&self, conditions: &Conditions<'_>) -> Blend {
-        self.weighed(&self.robots(conditions, &mut self.standing()))
+        self.weighed(&self.robots(conditions, &mut self.at_home()))
     }
 
     fn weighed(&self, robots: &Robots) -> Blend {
@@ -302,12 +303,12 @@ impl Averaged {
 
     /// Variance of the target's position by everything and by geometry alone, m² per axis.
     pub(crate) fn unsure(&self, conditions: &Conditions<'_>) -> [f64; 2] {
-        let robots = self.robots(conditions, &mut self.standing());
+        let robots = self.robots(conditions, &mut self.at_home());
         [robots.of_all, robots.of_geometry]
     }
 
     /// Adds to `out` the blend's perturbation of the robot with its geometry alone.
-    pub(super) fn perturb(&self, conditions: &Conditions<'_>, standing: &mut Standing, out: &mut Perturbation) {
+    pub(super) fn correct(&self, conditions: &Conditions<'_>, standing: &mut Standing, out: &mut Perturbation) {
         let robots = self.robots(conditions, standing);
         let [share, of_drawn] = self.weighed(&robots).shares;
         let home = &self.known.geometric.tips[conditions.tip].home;
@@ -322,6 +323,34 @@ impl Averaged {
         out.scale += robots.own.scale * share;
         out.reading += robots.own.reading * share;
         out.sight += robots.own.sight * share;
+    }
+}
+
+/// As a fit sees it: none of its numbers is free.
+impl Effects for Averaged {
+    type Standing = Standing;
+
+    fn standing(&self, _arm: &Arm) -> Standing {
+        self.at_home()
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn perturb(&self, row: Row<'_>, _arm: &Arm, standing: &mut Standing, out: &mut Perturbation) -> bool {
+        self.correct(&Conditions::of(row), standing, out);
+        true
+    }
+
+    fn sensitivities(&self, _: Row<'_>, _: &Arm, _: &mut Standing, _: Perturbed<'_>, _: &mut [Sensitivity]) {}
+
+    fn bound_to(&self, data: &Measurements) -> Result<Self, MissingColumn> {
+        Ok(self.bound(&|name| data.column(name)))
+    }
+
+    fn stepped(&self, _step: &[f64]) -> Self {
+        self.clone()
     }
 }
 

@@ -1,14 +1,13 @@
 //! Where an effect acts: the directions in which a carrier can move the arm, its targets or its instrument.
 //!
-//! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and an entry
-//! that uses it in [`super::catalogue::KINDS`]; the test `every_direction_does_what_its_action_says` then covers it.
+//! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and a term
+//! that uses it in [`super::candidates`]; the test `every_direction_does_what_its_action_says` then covers it.
 
 use crate::arm::{AlongSight, AxisBasis, Perturbation};
 use crate::effects::driver::{LinkEnd, Statics};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
-use denavit_model::{Chain, ChainJoint, PlacedRobot, Screw, Tips};
+use denavit_model::{Chain, ChainJoint, Screw};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// Where an effect acts. Joints are counted from 0, base to tip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -103,55 +102,6 @@ fn turn(direction: &Vector3<f64>, point: &Point3<f64>) -> Vector6<f64> {
 /// A shift, as a twist.
 fn shift(direction: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(0.0, 0.0, 0.0, direction.x, direction.y, direction.z)
-}
-
-/// Points on the arm at home, m: `points[i]` on joint i where the URDF places it, the last at the tip.
-///
-/// Joints that the tree does not know by name use [`axis_points`].
-pub fn link_points(placed: &PlacedRobot, chain: &Chain) -> Vec<Point3<f64>> {
-    let robot = placed.robot();
-    let mut points = axis_points(chain);
-    let Some(base) = robot.link_index(chain.base()) else { return points };
-    let base_from_root = placed.pose(base).inverse();
-    let links: HashMap<&str, usize> = robot.joints.iter().map(|joint| (joint.name.as_str(), joint.child)).collect();
-    for (point, joint) in points.iter_mut().zip(chain.joints()) {
-        let Some(link) = links.get(joint.name.as_str()) else { continue };
-        let placed = base_from_root * Point3::from(placed.pose(*link).translation.vector);
-        // If the joint's line misses the point, the path does not run up the tree.
-        let passes = joint.screw.line().is_none_or(|line| (line.nearest_to(&placed) - placed).norm() < 1e-6);
-        if passes {
-            *point = placed;
-        }
-    }
-    points
-}
-
-/// The same without a tree: on each axis the point nearest to the one before; a slide has the point of the joint before it.
-pub fn axis_points(chain: &Chain) -> Vec<Point3<f64>> {
-    let tip = Point3::from(chain.home().translation.vector);
-    let mut points = Vec::with_capacity(chain.joints().len() + 1);
-    let mut last = Point3::origin();
-    for joint in chain.joints() {
-        if let Some(line) = joint.screw.line() {
-            last = line.nearest_to(&last);
-        }
-        points.push(last);
-    }
-    points.push(tip);
-    points
-}
-
-/// Points on the ways to all tips, one per joint and one for each tip: `of` gives those of the chain to one tip.
-pub(super) fn points_of(chain: &Chain, tips: &Tips, of: impl Fn(&Chain) -> Vec<Point3<f64>>) -> Vec<Point3<f64>> {
-    let joints = chain.joints().len();
-    let mut points = vec![None; joints + tips.all().len()];
-    for (index, tip) in tips.all().iter().enumerate() {
-        let slots = tip.on_the_way().chain([joints + index]);
-        for (slot, point) in slots.zip(of(&tip.chain(chain).expect("a part of a chain is a chain"))) {
-            points[slot].get_or_insert(point);
-        }
-    }
-    points.into_iter().map(|point| point.unwrap_or_else(Point3::origin)).collect()
 }
 
 impl Carrier {

@@ -2,7 +2,7 @@
 //!
 //! No driver sees a measured value. Other than the readings, a driver depends only on a [`Column`], which exists only where every
 //! row has a value for it. A new driver is a variant of [`Driver`], its arms in [`Driver::values_into`], [`Driver::len`],
-//! [`Driver::joint`], [`Driver::named_by`] and [`Driver::unit`], and an entry that uses it in [`super::catalogue::KINDS`]; the
+//! [`Driver::joint`], [`Driver::named_by`] and [`Driver::unit`], and a term that uses it in [`super::candidates`]; the
 //! test `every_driver_gives_as_many_values_as_it_says` then covers it.
 //!
 //! ```compile_fail,E0308

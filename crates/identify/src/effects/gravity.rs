@@ -1,7 +1,7 @@
 //! Gravity on an arm: masses from the URDF, or default masses in the arm's shape where it has none.
 
 use crate::arm::RowState;
-use crate::effects::carrier::axis_points;
+use crate::effects::link_points::axis_points;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, PlacedRobot, Tips};
 use std::collections::HashMap;
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn masses_and_link_ends_stand_where_the_chain_has_them() {
-        use crate::effects::carrier::link_points;
+        use crate::effects::link_points::link_points;
         use denavit_model::{Reading, urdf};
         // A quarter turn cut off after three digits: a metre farther on, 0.8 mm of difference.
         let text = r#"<robot name="r"><link name="base"/><link name="arm"><inertial><origin xyz="0 1 0"/><mass value="1"/>

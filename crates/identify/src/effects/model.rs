@@ -1,7 +1,6 @@
 //! Effects with their numbers: their perturbation in a row, and their JSON form.
 
 use crate::arm::{Arm, Perturbation, Perturbed, Row, RowState};
-use crate::effects::averaged::Averaged;
 use crate::effects::carrier::{Action, Carrier};
 use crate::effects::catalogue::Kind;
 use crate::effects::curve::Curve;
@@ -140,8 +139,6 @@ pub struct EffectModel {
     pub curves: Vec<Curve>,
     /// Effects of an earlier calibration of the same chain: they act with the others and have no free numbers.
     pub earlier: Option<Arc<EffectModel>>,
-    /// A prediction that is averaged over everything that may act, as a correction of the geometric fit.
-    pub averaged: Option<Arc<Averaged>>,
 }
 
 /// An arm as effects see it: the part that is the same for all rows, and its posture in the last row.
@@ -157,14 +154,12 @@ pub struct Standing {
     steady: Perturbation,
     given: Perturbation,
     next: Perturbation,
-    /// The same of the averaged robot, where there is one.
-    averaged: Option<Box<Standing>>,
 }
 
 impl EffectModel {
     /// The effects on this chain.
     pub fn new(statics: Statics, effects: Vec<Effect>) -> Self {
-        Self { statics, effects, curves: Vec::new(), earlier: None, averaged: None }
+        Self { statics, effects, curves: Vec::new(), earlier: None }
     }
 
     /// No effects with free numbers, with those of an earlier calibration.
@@ -202,7 +197,6 @@ impl EffectModel {
             steady: nothing(),
             given: nothing(),
             next: nothing(),
-            averaged: self.averaged.as_ref().map(|averaged| Box::new(averaged.standing())),
         }
     }
 
@@ -244,10 +238,7 @@ impl EffectModel {
         standing: &mut Standing,
         out: &mut Perturbation,
     ) {
-        if let (Some(averaged), Some(standing)) = (&self.averaged, &mut standing.averaged) {
-            averaged.perturb(conditions, standing, out);
-        }
-        let Standing { arm, directions, motions, posture, values, steady, given, next, .. } = standing;
+        let Standing { arm, directions, motions, posture, values, steady, given, next } = standing;
         let directions = &directions[conditions.tip];
         let Some(arm) = arm else { return self.add_steady(conditions, joints, directions, values, out) };
         steady.clear();
@@ -349,11 +340,7 @@ impl EffectModel {
     pub fn fk(&self, chain: &Chain, conditions: &Conditions<'_>) -> Pose {
         let mut perturbation = Perturbation::none(chain.joints().len());
         self.bend(conditions, chain.joints(), &mut self.standing_of(chain.joints()), &mut perturbation);
-        let mut reached = Pose::identity();
-        for (joint, twist) in chain.joints().iter().zip(&perturbation.twists) {
-            reached *= se3::exp(twist) * joint.screw.motion(joint.value(conditions.reading));
-        }
-        reached * se3::exp(&perturbation.twists[chain.joints().len()]) * chain.home()
+        perturbation.fk(chain, conditions.reading)
     }
 }
 
@@ -381,7 +368,7 @@ impl Effects for EffectModel {
     }
 
     fn are_none(&self) -> bool {
-        self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none() && self.averaged.is_none()
+        self.effects.is_empty() && self.curves.is_empty() && self.earlier.is_none()
     }
 
     fn parameters(&self) -> Vec<Parameter> {
@@ -421,9 +408,6 @@ impl Effects for EffectModel {
         let mut bound = self.clone();
         if let Some(earlier) = &self.earlier {
             bound.earlier = Some(Arc::new(earlier.bound_to(data)?));
-        }
-        if let Some(averaged) = &self.averaged {
-            bound.averaged = Some(Arc::new(averaged.bound(&|name| data.column(name))));
         }
         for effect in &mut bound.effects {
             effect.term.driver = effect.term.driver.named_by(|column| data.column(column.name()))?;

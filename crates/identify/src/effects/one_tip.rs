@@ -3,6 +3,7 @@
 use crate::arm::Arm;
 use crate::effects::averaged::{Averaged, Known, Spread};
 use crate::effects::carrier::Carrier;
+use crate::effects::correction::Correction;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, JointVelocity, Statics};
 use crate::effects::everything::Everything;
@@ -57,7 +58,6 @@ impl EffectModel {
             effects: self.effects.iter().filter_map(|effect| Some(self.on_the_way(effect, &own)?.effect)).collect(),
             curves: self.curves.iter().filter_map(curve).collect(),
             earlier: None,
-            averaged: self.averaged.as_ref().map(|averaged| Arc::new(averaged.to_tip(tip))),
         }
     }
 
@@ -81,6 +81,18 @@ impl EffectModel {
         let coefficients = coefficients.collect();
         let effect = Effect { term: Term { carrier, driver, ..term.clone() }, coefficients };
         Some(OnTheWay { effect, values: kept, numbers })
+    }
+}
+
+impl Correction {
+    /// The part on the way to one tip, for its chain.
+    #[must_use]
+    pub fn to_tip(&self, tip: usize) -> Self {
+        if !self.effects.statics.tips.several() {
+            return self.clone();
+        }
+        let averaged = self.averaged.as_ref().map(|averaged| averaged.to_tip(tip));
+        Self { effects: self.effects.to_tip(tip), averaged }
     }
 }
 

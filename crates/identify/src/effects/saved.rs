@@ -11,14 +11,14 @@
 
 use crate::effects::averaged::Averaged;
 use crate::effects::averaged::written::WrittenAveraged;
+use crate::effects::correction::Correction;
 use crate::effects::curve::Curve;
 use crate::effects::driver::{Driver, Statics};
 use crate::effects::model::{Effect, EffectModel, Term};
 use crate::effects::reference_robot::{ReferenceRobot, apart};
-use crate::effects::written::WrittenDriver;
+use crate::effects::written::{WrittenDriver, named};
 use denavit_measurements::{Column, MissingColumn};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 use thiserror::Error;
 
 /// Version of the format.
@@ -137,30 +137,26 @@ pub struct SavedEffects {
     /// Error curves of joints, no cause claimed.
     pub curves: Vec<Curve>,
     /// A prediction averaged over everything that may act, a correction of the robot with its geometry alone.
-    pub averaged: Option<Arc<Averaged>>,
+    pub averaged: Option<Averaged>,
 }
 
 impl EffectModel {
     /// Its file form.
     pub fn saved(&self) -> SavedEffects {
-        let written = |Effect { term, coefficients }: &Effect| {
-            let Term { kind, carrier, driver, coupling } = term;
-            let driver = WrittenDriver::of(driver).named(&self.statics.chain);
-            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
-            Effect { term, coefficients: coefficients.clone() }
-        };
-        let effects = self.effects.iter().map(written).collect();
-        SavedEffects {
-            statics: self.statics.clone(),
-            effects,
-            curves: self.curves.clone(),
-            averaged: self.averaged.clone(),
-        }
+        let effects = self.effects.iter().map(|effect| named(effect, &self.statics.chain)).collect();
+        SavedEffects { effects, curves: self.curves.clone(), ..SavedEffects::none(self.statics.clone()) }
     }
 
     /// As JSON text, with the formula, units and source of each kind, too.
     pub fn to_json(&self) -> String {
         self.saved().to_json()
+    }
+}
+
+impl Correction {
+    /// As JSON text, with the formula, units and source of each kind, too.
+    pub fn to_json(&self) -> String {
+        SavedEffects { averaged: self.averaged.clone(), ..self.effects.saved() }.to_json()
     }
 }
 
@@ -174,11 +170,11 @@ impl SavedEffects {
     ///
     /// # Errors
     /// Those of `column`, which is asked for each name.
-    pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<EffectModel, MissingColumn> {
+    pub fn bound(self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Result<Correction, MissingColumn> {
         let effects = self.effects.iter().map(|effect| self.bound_effect(effect, column)).collect::<Result<_, _>>()?;
-        let averaged = self.averaged.as_ref().map(|averaged| Arc::new(averaged.bound(column)));
+        let averaged = self.averaged.as_ref().map(|averaged| averaged.bound(column));
         let Self { statics, curves, .. } = self;
-        Ok(EffectModel { statics, effects, curves, earlier: None, averaged })
+        Ok(Correction { effects: EffectModel { curves, ..EffectModel::new(statics, effects) }, averaged })
     }
 
     /// One of the effects, bound to its columns.
@@ -250,7 +246,7 @@ impl SavedEffects {
             drawn: Some(ReferenceRobot::of(&self.statics)),
             effects: effects.collect(),
             curves: self.curves.clone(),
-            averaged: self.averaged.as_ref().and_then(|averaged| WrittenAveraged::of(averaged)),
+            averaged: self.averaged.as_ref().and_then(WrittenAveraged::of),
         }
     }
 
@@ -320,7 +316,7 @@ impl SavedEffects {
             }
         }
         let averaged = saved.averaged.map(|written| written.averaged(&file(), statics)).transpose();
-        let averaged = averaged.map_err(|why| SavedError::Form { file: file(), why })?.map(Arc::new);
+        let averaged = averaged.map_err(|why| SavedError::Form { file: file(), why })?;
         Ok(Self { statics: statics.clone(), effects, curves: saved.curves, averaged })
     }
 }
@@ -368,7 +364,7 @@ mod tests {
         let none = |name: &str| Covariates::none().column("one row", 1, name);
         assert_eq!(again.clone().bound(&none).unwrap_err().column(), "time");
         let again = again.bound(&time).unwrap();
-        assert_eq!(again, model);
+        assert_eq!(again, model.clone().into());
         let recorded = recorded();
         let conditions = Conditions { reading: &[0.3, 0.8], recorded: recorded.row(0), tip: 0 };
         let chain = &model.statics.chain;

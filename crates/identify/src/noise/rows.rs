@@ -2,7 +2,7 @@
 
 use super::lever::Arms;
 use super::reml::{Factor, LEAST_LEVEL, Reml, RowBlock};
-use super::{Place, Source};
+use super::source::{Place, Source};
 use crate::arm::Arm;
 use crate::effects::curve::Curve;
 use crate::effects::probe::Probe;

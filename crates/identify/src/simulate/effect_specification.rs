@@ -2,7 +2,8 @@
 //! `joint_compliance@elbow_joint=0.3mm` or `transmission_error@wrist_1_joint:order=3=2e-4`.
 
 use crate::arm::Arm;
-use crate::effects::catalogue::{Candidate, KINDS, Kind};
+use crate::effects::candidates::{Candidate, candidates};
+use crate::effects::catalogue::{KINDS, Kind};
 use crate::effects::driver::{BumpShape, Driver, Statics};
 use crate::effects::history::History;
 use crate::effects::model::{Coupling, Effect, EffectModel, Term};
@@ -98,7 +99,7 @@ impl EffectSpecification {
     /// numbers set.
     fn term(&self, survey: &Survey) -> Result<Term, EffectSpecificationError> {
         let chain = &survey.statics.chain;
-        let all: Vec<Candidate> = (self.kind.entry().terms)(survey);
+        let all: Vec<Candidate> = candidates(self.kind, survey);
         let mut places: Vec<String> = Vec::new();
         for candidate in &all {
             let place = candidate.term.carrier.place(chain);
@@ -327,7 +328,7 @@ mod tests {
             let data = with_run_order(run.data.clone());
             let survey = Survey::of(&statics, &data, Vec::new());
             for entry in KINDS {
-                let Some(first) = (entry.terms)(&survey).into_iter().next() else { continue };
+                let Some(first) = candidates(entry.kind, &survey).into_iter().next() else { continue };
                 let place = first.term.carrier.place(&chain);
                 let specification: EffectSpecification = format!("{}@{place}=0.3mm", entry.name).parse().unwrap();
                 match specified_effects(std::slice::from_ref(&specification), &statics, &run, 7) {

@@ -6,10 +6,9 @@ use super::two_tips::TwoTips;
 use super::{
     Simulation, SimulationOptions, as_displayed, commanded_readings, scene, simulate, simulate_arm, truth, two_tips,
 };
-use crate::effects::EffectModel;
 use crate::effects::driver::Statics;
 use crate::effects::survey::with_run_order;
-use crate::effects::{SavedEffects, recorded};
+use crate::effects::{EffectModel, SavedEffects, recorded};
 use crate::parameters::NoEffects;
 use denavit_measurements::kinds::ObservationKind;
 use denavit_measurements::{Measurements, MissingColumn, word_of_two_tips, write};
@@ -143,7 +142,7 @@ pub fn files(chain: &Chain, statics: &Statics, effects: SavedEffects, asked: &Fi
     let bare = simulate(chain, &options, &NoEffects);
     let recorded = with_run_order(bare.data.clone());
     let mut model = effects.bound(&|name| recorded.column(name))?;
-    model.effects.extend(specified_effects(&asked.specifications, statics, &bare, options.seed)?.effects);
+    model.effects.effects.extend(specified_effects(&asked.specifications, statics, &bare, options.seed)?.effects);
     let run = simulate(chain, &options, &model);
     let enough = |found: usize, wanted: usize| match contact {
         _ if found >= wanted => Ok(()),
@@ -206,7 +205,7 @@ fn of_two_tips(chain: &Chain, statics: &Statics, asked: &FilesAsked, word: &'sta
         let joints = chain.coordinates().iter().map(|coordinate| coordinate.name.clone()).collect();
         let data = Measurements::empty("simulation", joints, scene(options, 1));
         let run = Simulation { arm: run.arm.clone(), data, outliers: run.outliers.clone() };
-        truth::to_json(&run, options, &EffectModel::new(statics.clone(), Vec::new()))
+        truth::to_json(&run, options, &EffectModel::new(statics.clone(), Vec::new()).into())
     });
     Ok(Files { data, test, truth })
 }

@@ -1,6 +1,6 @@
 //! The truth of a simulated file, as JSON: to evaluate a calibration.
 
-use crate::effects::model::EffectModel;
+use crate::effects::Correction;
 use crate::parameters::{Freedom, Layout, Tolerances};
 use crate::simulate::{Simulation, SimulationOptions};
 use denavit_measurements::word_of_two_tips;
@@ -34,7 +34,7 @@ fn noise(options: &SimulationOptions) -> Value {
 
 /// The truth of a run: how far each axis is from its drawing (rad, m, by the names of a calibration's parameters), the
 /// instrument, the targets, noise, the rows with gross errors (counted from 1) and the effects.
-pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &EffectModel) -> String {
+pub fn to_json(run: &Simulation, options: &SimulationOptions, effects: &Correction) -> String {
     let (arm, chain) = (&run.arm, &run.arm.nominal);
     let freedom = Freedom::axes(chain.joints().len());
     let layout = Layout::new(chain, &run.data.scene, &freedom, &Tolerances::default(), Vec::new());

@@ -2,7 +2,7 @@
 
 use super::MeasuredError;
 use denavit_identify::effects::driver::{APPROACH_FROM_ROWS, RUN_ORDER, WARMTH, WOUND_UP};
-use denavit_identify::effects::{EffectModel, SavedEffects, recorded};
+use denavit_identify::effects::{Correction, SavedEffects, recorded};
 use denavit_measurements::covariates::PAYLOAD;
 use denavit_measurements::{Covariate, Covariates};
 
@@ -34,7 +34,7 @@ pub fn with_given(
     file: &str,
     effects: &SavedEffects,
     given: &[(String, f64)],
-) -> Result<(EffectModel, Covariates), MeasuredError> {
+) -> Result<(Correction, Covariates), MeasuredError> {
     all_known(file, effects, &|name| recorded::given(given, name).is_some())?;
     let effects = effects.of_the_tip();
     let mut recorded = Covariates::none();

@@ -1,7 +1,8 @@
 //! Bytes of a text file or a spreadsheet as rows of cells under a header, with the line of each.
 
 use super::super::known_columns::MOST_COLUMNS;
-use super::{Fault, ImportProblem, records, sheet};
+use super::problem::{Fault, ImportProblem};
+use super::{records, sheet};
 use denavit_model::units::Unit;
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 

@@ -7,7 +7,7 @@
 //! {actual_q: [0.1, 0.2]}                                                             ─►  actual_q.0, actual_q.1
 //! ```
 
-use super::{Fault, ImportProblem};
+use super::problem::{Fault, ImportProblem};
 use saphyr_parser::{Event, Parser};
 
 /// Keys of lists of joint names, and of lists of their values.

@@ -1,6 +1,6 @@
 //! The first sheet with data of an Excel workbook, as rows of cells.
 
-use super::{Fault, ImportProblem};
+use super::problem::{Fault, ImportProblem};
 use calamine::{Data, Reader, Xlsx};
 use std::io::Cursor;
 

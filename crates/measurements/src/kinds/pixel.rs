@@ -1,8 +1,8 @@
 //! The pixel of a board's corner in the image of a camera, right and down, px.
 
 use super::{Frame, ObservationKind, Part, Recorded, Unknowns};
-use crate::board::board_pose;
-use crate::{MeasurementError, Series};
+use crate::MeasurementError;
+use crate::board::{Corner, board_pose};
 use denavit_model::nalgebra::Vector2;
 
 #[derive(Debug)]
@@ -37,12 +37,10 @@ impl Recorded for Pixel {
         true
     }
 
-    fn together(&self, seen: &[(&Series, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
-        let corners: Vec<_> =
-            seen.iter().filter_map(|(series, values)| Some((series.corner.as_ref()?, values))).collect();
-        let camera = &corners.first()?.0.camera;
+    fn together(&self, seen: &[(&Corner, &[f64])]) -> Option<(ObservationKind, Vec<f64>)> {
+        let camera = &seen.first()?.0.camera;
         let pixels: Vec<_> =
-            corners.iter().map(|(corner, values)| (corner.at, Vector2::new(values[0], values[1]))).collect();
+            seen.iter().map(|(corner, values)| (corner.at, Vector2::new(values[0], values[1]))).collect();
         let pose = board_pose(&camera.lens, &pixels)?;
         let pose = if camera.on_hand { pose.inverse() } else { pose };
         let place = pose.translation.vector;

@@ -3,7 +3,8 @@
 use crate::infer::contest::Member;
 use crate::infer::curves::Round;
 use crate::infer::model::LARGEST;
-use denavit_identify::effects::catalogue::{Candidate, Kind};
+use denavit_identify::effects::candidates::Candidate;
+use denavit_identify::effects::catalogue::Kind;
 use std::ops::Range;
 
 /// Largest step of a part that slips or is set up again, rad or m: an unnoticed turn of a joint by a radian is implausible.

@@ -1,7 +1,7 @@
 //! Possible causes of rows that are out of line: a joint whose reading is wrong, a target that has moved on the tip, an instrument or
 //! a base that has moved. Each has a few parameters; it explains the rows if the residual at the best parameters is no more than chance.
 
-use super::{Prediction, quantile};
+use super::out_of_line::{Prediction, quantile};
 use denavit_identify::arm::Arm;
 use denavit_identify::parameters::NoEffects;
 use denavit_identify::residual::{ResidualModel, Scratch};

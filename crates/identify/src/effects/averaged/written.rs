@@ -78,7 +78,7 @@ fn twist(pose: &Pose) -> [f64; 6] {
 }
 
 impl WrittenAveraged {
-    /// The file form; none for several tips: a file is for one tip, see [`EffectModel::to_tip`].
+    /// The file form; none for several tips: a file is for one tip, see [`Correction::to_tip`](crate::effects::Correction::to_tip).
     pub fn of(averaged: &Averaged) -> Option<Self> {
         let (known, mean) = (&averaged.known, averaged.mean());
         let [tip] = &known.tips[..] else { return None };

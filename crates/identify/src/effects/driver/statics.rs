@@ -1,8 +1,8 @@
 //! The chain and its masses, and the arm's posture with them in a row.
 
 use crate::arm::{Perturbation, Row, RowState};
-use crate::effects::carrier::{axis_points, link_points, points_of};
 use crate::effects::gravity::{Load, Masses, PointMass};
+use crate::effects::link_points::{axis_points, link_points, points_of};
 use denavit_measurements::RecordedRow;
 use denavit_model::nalgebra::{Point3, Vector3};
 use denavit_model::{Chain, ChainJoint, PlacedRobot, Pose, Reading, Robot, Screw, Tips, se3};
