@@ -150,9 +150,13 @@ fn did_you_mean(near: Option<&str>) -> String {
     near.map_or_else(|| "; add the link or correct the name".to_owned(), |name| format!("; did you mean \"{name}\"?"))
 }
 
+/// Longer names are not compared, in bytes: nobody types them, and the time grows with the product of the lengths. As for a file's name.
+const LONGEST_COMPARED: usize = 255;
+
 /// The candidate that differs from `name` by the fewest edits, if by few enough to be a slip.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let (distance, nearest) =
-        candidates.into_iter().map(|other| (strsim::damerau_levenshtein(name, other), other)).min()?;
+    let is_compared = |name: &str| name.len() <= LONGEST_COMPARED;
+    let candidates = candidates.into_iter().filter(|other| is_compared(name) && is_compared(other));
+    let (distance, nearest) = candidates.map(|other| (strsim::damerau_levenshtein(name, other), other)).min()?;
     (distance <= 1 + name.chars().count() / 4).then_some(nearest)
 }

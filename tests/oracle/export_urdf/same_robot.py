@@ -17,7 +17,7 @@ from fk import reason, span  # noqa: E402
 from kinematics import ACTUATED, Tree  # noqa: E402
 
 # Joint vectors per file; the test in Rust takes 100.
-VECTORS = int(os.environ.get("DENAVIT_EXPORT_VECTORS", "10"))
+VECTORS = int(os.environ.get("DENAVIT_EXPORT_VECTORS", "5"))
 
 
 # Both exports of a file are compared one after the other: the original is read once.
@@ -28,7 +28,22 @@ def tree_of(path):
 
 @lru_cache(maxsize=1)
 def original_by_yourdfpy(path):
-    return Yourdfpy(path)
+    """The robot and its poses at all joint vectors."""
+    robot = Yourdfpy(path)
+    return robot, [robot.poses(values) for values in vectors(path)]
+
+
+@lru_cache(maxsize=1)
+def original_by_pinocchio(path):
+    return of_pinocchio(path)
+
+
+def of_pinocchio(path):
+    """A model and its data."""
+    import pinocchio
+
+    model = pinocchio.buildModelFromUrdf(str(path))
+    return model, model.createData()
 
 
 def quiet():
@@ -112,7 +127,7 @@ def stacked(robot, links, rigid):
 
 def by_yourdfpy(original, exported, frames_too):
     """(largest difference relative to the robot's size, of tensors relative to themselves, of masses)."""
-    before, after = original_by_yourdfpy(original), Yourdfpy(exported)
+    (before, all_poses), after = original_by_yourdfpy(original), Yourdfpy(exported)
     links = list(before.robot.link_map)
     rigid = set(links) if frames_too else fixed_leaves(original)
     what, one, inertia = stacked(before, links, rigid)
@@ -120,8 +135,8 @@ def by_yourdfpy(original, exported, frames_too):
     assert what == twins and list(inertia[0]) == list(twin_inertia[0])
     masses = np.abs(inertia[1] - twin_inertia[1]).max(initial=0.0)
     worst, tensors, size = 0.0, 0.0, None
-    for values in vectors(original):
-        poses = [np.array([robot.get(link) for link in links]) for robot in (before.poses(values), after.poses(values))]
+    for values, own in zip(vectors(original), all_poses, strict=True):
+        poses = [np.array([robot.get(link) for link in links]) for robot in (own, after.poses(values))]
         size = size or max(1e-3, np.linalg.norm(poses[0][:, :3, 3], axis=1).max())
         placed = [pose[at] @ local for pose, (at, local) in zip(poses, (one, other))]
         reach = np.maximum(size, np.linalg.norm(placed[0][:, :3, 3], axis=1))
@@ -155,7 +170,7 @@ def by_pinocchio(original, exported):
     """Largest relative differences of the mass matrix and of the gravity torque; None without a joint that moves."""
     import pinocchio
 
-    models = [pinocchio.buildModelFromUrdf(str(path)) for path in (original, exported)]
+    models, datas = zip(original_by_pinocchio(original), of_pinocchio(exported), strict=True)
     if models[0].nv == 0:
         return None
     worst = np.zeros(2)
@@ -163,12 +178,12 @@ def by_pinocchio(original, exported):
     columns = [order(model, models[0]) for model in models]
     for values in vectors(original):
         matrices, torques = [], []
-        for model, column in zip(models, columns):
-            q, data = configuration(pinocchio, model, values), model.createData()
+        for model, data, column in zip(models, datas, columns, strict=True):
+            q = configuration(pinocchio, model, values)
             matrix = pinocchio.crba(model, data, q)
             matrix = np.triu(matrix) + np.triu(matrix, 1).T
             matrices.append(matrix[np.ix_(column, column)])
-            torques.append(pinocchio.computeGeneralizedGravity(model, model.createData(), q)[column])
+            torques.append(pinocchio.computeGeneralizedGravity(model, data, q)[column].copy())
         lever = sum(inertia.mass for inertia in models[0].inertias) * 9.81 * max(
             1e-3, *(np.linalg.norm(place.translation) for place in models[0].jointPlacements)
         )
