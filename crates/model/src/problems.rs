@@ -150,7 +150,8 @@ fn did_you_mean(near: Option<&str>) -> String {
     near.map_or_else(|| "; add the link or correct the name".to_owned(), |name| format!("; did you mean \"{name}\"?"))
 }
 
-/// Longer names are not compared, in bytes: nobody types them, and the time grows with the product of the lengths. As for a file's name.
+/// Names of more bytes are not compared: nobody types them, and the time grows with the product of the lengths. A file's name has the same
+/// limit.
 const LONGEST_COMPARED: usize = 255;
 
 /// The candidate that differs from `name` by the fewest edits, if by few enough to be a slip.
@@ -159,4 +160,18 @@ pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     let candidates = candidates.into_iter().filter(|other| is_compared(name) && is_compared(other));
     let (distance, nearest) = candidates.map(|other| (strsim::damerau_levenshtein(name, other), other)).min()?;
     (distance <= 1 + name.chars().count() / 4).then_some(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest_name;
+
+    #[test]
+    fn only_names_that_somebody_types_have_a_nearest() {
+        let near = |length: usize| {
+            let other = "n".repeat(length - 1) + "m";
+            nearest_name(&"n".repeat(length), [other.as_str()]).is_some()
+        };
+        assert!(near(200) && !near(70_000));
+    }
 }

@@ -191,7 +191,7 @@ impl fmt::Display for Frame {
 /// The candidates that a wrong word may have meant, best first, three at most.
 pub(crate) fn near<T: AsRef<str>>(word: &str, candidates: impl IntoIterator<Item = T>) -> Vec<String> {
     const ALIKE: f64 = 0.7;
-    /// Longer words are not compared, in bytes: nobody types them, and the time grows with the product of the lengths.
+    /// Words of more bytes are not compared: nobody types them, and the time grows with the product of the lengths.
     const LONGEST: usize = 255;
     let mut scored: Vec<(f64, String)> = candidates
         .into_iter()
