@@ -28,13 +28,13 @@ pub use calibration::contract::{
 pub use calibration::diagnosis::Diagnosis;
 pub use calibration::rows::{RowEntry, Rows, to_csv as residuals_csv};
 pub use calibration::{
-    CalibrateError, CalibrateOptions, Calibration, HoldOut, Progress, calibrate, calibrate_and_tell,
+    AdoptedFit, CalibrateError, CalibrateOptions, Calibration, HoldOut, Progress, calibrate, calibrate_and_tell,
 };
 pub use denavit_identify::IdentifyOptions;
 pub use denavit_identify::arm::Arm;
 pub use denavit_identify::effects::driver::{Conditions, Statics};
 pub use denavit_identify::effects::saved::{SavedEffects, SavedError};
-pub use denavit_identify::effects::{EffectModel, Kind};
+pub use denavit_identify::effects::{Correction, EffectModel, Kind};
 pub use denavit_identify::parameters::{Freedom, Tolerances};
 pub use denavit_identify::posterior::{Earlier, EarlierError};
 pub use denavit_identify::proportion::OutOfProportion;
