@@ -28,6 +28,7 @@ use denavit_linear::{Curvature, Gram};
 use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DVector, Point3};
 use denavit_model::{Chain, Pose, se3};
+use std::sync::Arc;
 
 /// Number of linearisations. One is too few for nonlinear fits: measured on the Motoman's draws of March 2019.
 const PASSES: usize = 3;
@@ -416,12 +417,14 @@ impl Averager<'_> {
         let v_g = mean_square(&of_geometry);
         let mut found = self.result((nominal, geometric), &at, [spread, of_plain], v_g);
         let averaged = &mut found.fit.effects;
-        averaged.known.geometry_among_rows = self.median(&left_out, |conditions, _| averaged.unsure(conditions)[1])?;
-        averaged.known.across = self.across(averaged, &left_out)?;
+        let geometry_among_rows = self.median(&left_out, |conditions, _| averaged.unsure(conditions)[1])?;
+        let across = self.across(averaged, &left_out)?;
         let left_out = blended(&of_geometry, &left_out);
-        averaged.known.calibrated = calibrated(&left_out, at.sizes.count())?;
-        let noise = left_out.iter().map(|row| row.noise).sum::<f64>() / left_out.len() as f64;
-        averaged.known.noise = averaged.known.calibrated * noise;
+        let calibrated = calibrated(&left_out, at.sizes.count())?;
+        let noise = calibrated * (left_out.iter().map(|row| row.noise).sum::<f64>() / left_out.len() as f64);
+        let known = Arc::make_mut(&mut averaged.known);
+        (known.geometry_among_rows, known.across) = (geometry_among_rows, across);
+        (known.calibrated, known.noise) = (calibrated, noise);
         Some((Averaging { left_out: [v_g, mean_square(&left_out)].map(f64::sqrt), ..found }, left_out, plain))
     }
 

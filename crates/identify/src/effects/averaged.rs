@@ -13,13 +13,14 @@ pub mod written;
 use crate::arm::{AlongSight, Arm, Perturbation, Perturbed, Row, RowState};
 use crate::effects::driver::{Conditions, Driver};
 use crate::effects::everything::Everything;
-use crate::effects::model::{Effect, EffectModel, Standing, Term};
+use crate::effects::model::{Effect, EffectModel, Standing};
 use crate::effects::written::named;
 use crate::parameters::{Effects, Parameter, Sensitivity};
 use denavit_linear::triangle::dot;
 use denavit_measurements::{Column, Measurements, MissingColumn};
 use denavit_model::nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use denavit_model::{Pose, se3};
+use std::sync::Arc;
 
 /// Outside the measured ranges the drawing has half the weight where the expected error of the blend is this many times the drawing's error
 /// among the measured postures. A value of 1 did harm on a Barrett WAM: a third of its draws of 15 rows were worse than geometry alone.
@@ -36,8 +37,8 @@ pub struct Averaged {
     model: Everything,
     /// The same with these means for drivers that depend on the clock.
     timeless: Everything,
-    /// Further data of the prediction.
-    pub known: Known,
+    /// Further data of the prediction: large, and the same for all rows.
+    pub known: Arc<Known>,
 }
 
 /// Data of an averaged prediction other than its mean.
@@ -116,7 +117,7 @@ impl Averaged {
     pub fn new(mean: Everything, averages: Vec<Vec<f64>>, known: Known) -> Self {
         let effects = mean.0.effects.iter().map(|effect| named(effect, &mean.0.statics.chain)).collect();
         let timeless = timeless(&mean, &averages);
-        Self { effects, averages, model: mean, timeless, known }
+        Self { effects, averages, model: mean, timeless, known: Arc::new(known) }
     }
 
     /// From a file: no columns are bound yet.
@@ -127,7 +128,7 @@ impl Averaged {
         known: Known,
     ) -> Self {
         let model = Everything(model);
-        Self { effects, averages, timeless: model.clone(), model, known }
+        Self { effects, averages, timeless: model.clone(), model, known: Arc::new(known) }
     }
 
     /// The model at its mean.
@@ -139,10 +140,8 @@ impl Averaged {
     #[must_use]
     pub fn bound(&self, column: &dyn Fn(&str) -> Result<Column, MissingColumn>) -> Self {
         let bound = |(effect, averages): (&Effect<Driver<String>>, &Vec<f64>)| {
-            let Term { kind, carrier, driver, coupling } = &effect.term;
-            let driver = driver.named_by(|name| column(name)).unwrap_or_else(|_| Driver::Fixed(averages.clone()));
-            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
-            Effect { term, coefficients: effect.coefficients.clone() }
+            let driver = effect.term.driver.named_by(|name| column(name));
+            effect.with_driver(driver.unwrap_or_else(|_| Driver::Fixed(averages.clone())))
         };
         let effects = self.effects.iter().zip(&self.averages).map(bound).collect();
         let model = Everything(EffectModel { effects, ..self.model.0.clone() });
@@ -161,7 +160,7 @@ impl Averaged {
 
     /// The robot under these conditions: geometry alone, everything averaged, the drawing, and their variances.
     fn robots(&self, conditions: &Conditions<'_>, standing: &mut Standing) -> Robots {
-        let Known { drawn, geometric, base, .. } = &self.known;
+        let Known { drawn, geometric, base, .. } = &*self.known;
         let KnownTip { averaged: tip, drawn: drawn_tip, target: judged } = &self.known.tips[conditions.tip];
         let beyond = self.model.0.effects.iter().any(|effect| match &effect.term.driver {
             Driver::Smooth { covariate, knots } => {
@@ -212,7 +211,7 @@ impl Averaged {
         standing: &mut Standing,
         state: &RowState,
     ) -> [f64; 3] {
-        let Known { drawn, spread, geometric_spread, instrument, tips, of_curves, .. } = &self.known;
+        let Known { drawn, spread, geometric_spread, instrument, tips, of_curves, .. } = &*self.known;
         let KnownTip { averaged: tip, target, .. } = &tips[conditions.tip];
         let mut sensitivities = vec![Sensitivity::default(); model.coefficients()];
         model.0.sensitivities_of(conditions, standing, state, &mut sensitivities);
@@ -266,7 +265,7 @@ impl Averaged {
     }
 
     fn weighed(&self, robots: &Robots) -> Blend {
-        let Known { of_geometry, of_drawing, geometry_among_rows, .. } = &self.known;
+        let Known { of_geometry, of_drawing, geometry_among_rows, .. } = &*self.known;
         let whole = of_geometry + (robots.of_geometry - geometry_among_rows).max(0.0);
         if !(robots.of_all.is_finite() && robots.of_all > 0.0) {
             return Blend { shares: [0.0, 0.0], variance: whole, of_length: whole };

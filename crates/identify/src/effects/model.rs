@@ -128,6 +128,16 @@ pub struct Effect<D = Driver> {
     pub coefficients: Vec<f64>,
 }
 
+impl<D> Effect<D> {
+    /// The same with its driver in another form: bound to columns, with their names, or as in a file.
+    #[must_use]
+    pub fn with_driver<E>(&self, driver: E) -> Effect<E> {
+        let Self { term: Term { kind, carrier, coupling, .. }, coefficients } = self;
+        let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
+        Effect { term, coefficients: coefficients.clone() }
+    }
+}
+
 /// Effects on a chain, ready for a fit, for forward kinematics, for compensation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectModel {

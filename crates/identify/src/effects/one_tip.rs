@@ -146,7 +146,7 @@ impl Averaged {
             spread: spread(&known.spread),
             geometric_spread: spread(&known.geometric_spread),
             ranges: known.ranges.iter().zip(moves).filter(|(_, moves)| **moves).map(|(range, _)| *range).collect(),
-            ..known.clone()
+            ..Known::clone(known)
         };
         Self::new(Everything(mean.to_tip(tip)), averages, known)
     }

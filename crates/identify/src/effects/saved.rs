@@ -186,10 +186,7 @@ impl SavedEffects {
         effect: &Effect<Driver<String>>,
         column: &dyn Fn(&str) -> Result<Column, MissingColumn>,
     ) -> Result<Effect, MissingColumn> {
-        let Term { kind, carrier, driver, coupling } = &effect.term;
-        let driver = driver.named_by(|name| column(name))?;
-        let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
-        Ok(Effect { term, coefficients: effect.coefficients.clone() })
+        Ok(effect.with_driver(effect.term.driver.named_by(|name| column(name))?))
     }
 
     /// Those that move the tip.
@@ -228,11 +225,8 @@ impl SavedEffects {
     fn written(&self) -> Saved {
         let effects = self.effects.iter().map(|effect| {
             let entry = effect.term.kind.entry();
-            let Term { kind, carrier, driver, coupling } = &effect.term;
-            let driver = WrittenDriver::of(driver);
-            let term = Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling };
             SavedEffect {
-                effect: Effect { term, coefficients: effect.coefficients.clone() },
+                effect: effect.with_driver(WrittenDriver::of(&effect.term.driver)),
                 formula: entry.formula.into(),
                 units: entry.units.into(),
                 source: entry.source.into(),

@@ -1,7 +1,7 @@
 //! Drivers as in a file: their quantities are names, which are bound to columns before anything is computed.
 
 use crate::effects::driver::{Driver, JointVelocity, VELOCITY};
-use crate::effects::model::{Effect, Term};
+use crate::effects::model::Effect;
 use denavit_model::Chain;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -64,11 +64,8 @@ impl WrittenDriver {
 }
 
 /// An effect with the names of the columns that it depends on.
-pub fn named(Effect { term, coefficients }: &Effect, chain: &Chain) -> Effect<Driver<String>> {
-    let Term { kind, carrier, driver, coupling } = term;
-    let term =
-        Term { kind: *kind, carrier: *carrier, driver: WrittenDriver::of(driver).named(chain), coupling: *coupling };
-    Effect { term, coefficients: coefficients.clone() }
+pub fn named(effect: &Effect, chain: &Chain) -> Effect<Driver<String>> {
+    effect.with_driver(WrittenDriver::of(&effect.term.driver).named(chain))
 }
 
 impl Serialize for WrittenDriver {

@@ -10,7 +10,7 @@ use denavit_identify::effects::curve::Waves;
 use denavit_identify::effects::driver::{
     APPROACH, APPROACH_FROM_ROWS, BumpShape, Conditions, RUN_ORDER, Statics, TWIST_TO_BEND, unit_of,
 };
-use denavit_identify::effects::{Coupling, Driver, Effect, EffectModel, SavedEffects, Term, recorded};
+use denavit_identify::effects::{Coupling, Driver, Effect, EffectModel, SavedEffects, recorded};
 use denavit_load::measured::with_given;
 use denavit_measurements::covariates::PAYLOAD;
 use denavit_model::nalgebra::Vector3;
@@ -85,13 +85,9 @@ fn with(
     driver: &Driver<String>,
     input: &dyn Fn(&String) -> Input,
 ) -> Effect<Driver<Input>> {
-    let Term { kind, carrier, coupling, .. } = &effect.term;
     let bound: Result<Driver<Input>, Infallible> = driver.named_by(|name| Ok(input(name)));
     let Ok(driver) = bound;
-    Effect {
-        term: Term { kind: *kind, carrier: *carrier, driver, coupling: *coupling },
-        coefficients: effect.coefficients.clone(),
-    }
+    effect.with_driver(driver)
 }
 
 /// The effects of an averaged prediction: quantities that are not given are set to their averages.

@@ -82,11 +82,7 @@ impl WrittenAveraged {
     pub fn of(averaged: &Averaged) -> Option<Self> {
         let (known, mean) = (&averaged.known, averaged.mean());
         let [tip] = &known.tips[..] else { return None };
-        let effect = |effect: &Effect<Driver<String>>| {
-            let Term { kind, carrier, driver, coupling } = &effect.term;
-            let term = Term { kind: *kind, carrier: *carrier, driver: WrittenDriver::of(driver), coupling: *coupling };
-            Effect { term, coefficients: effect.coefficients.clone() }
-        };
+        let effect = |effect: &Effect<Driver<String>>| effect.with_driver(WrittenDriver::of(&effect.term.driver));
         let mut statics = mean.statics.clone();
         statics.chain = known.geometric.chain();
         Some(Self {
