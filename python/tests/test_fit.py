@@ -464,14 +464,12 @@ def comes_back_to(threads: int) -> bool:
     return False
 
 
-def test_an_interrupt_ends_a_fit_at_once_and_leaves_nothing_running(drawn: dn.Chain) -> None:
+def test_an_interrupt_ends_a_fit_at_once_and_leaves_nothing_running(drawn: dn.Chain, ctrl_c: None) -> None:
     run = drawn.simulate(600, seed=1, effect=["joint_compliance@elbow_joint=0.1mm"]).data
     main = threading.main_thread().ident
     assert main is not None
     threads = at_rest()
     waits = []
-    # A program that was started in the background has Ctrl-C switched off.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     for after in (0.05, 0.3, 0.8, 1.5):
         asked: list[float] = []
 

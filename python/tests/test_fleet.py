@@ -56,7 +56,7 @@ def test_an_interrupted_run_is_continued(manifest: Path) -> None:
     assert 0 < run.known < 7 and run.known + run.done == 7
 
 
-def test_ctrl_c_ends_it_within_a_second_and_lets_go_of_the_store(manifest: Path) -> None:
+def test_ctrl_c_ends_it_within_a_second_and_lets_go_of_the_store(manifest: Path, ctrl_c: None) -> None:
     store = manifest.parent / "store"
     begun = time.monotonic()
     # Effects of many robots: seconds of work on one thread.

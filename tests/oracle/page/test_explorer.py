@@ -1,7 +1,7 @@
 """The explorer in headless Chromium, used by clicking like a user: it makes no network requests, its numbers are those
 of the command line's JSON, hostile names and archives have no effect, and it fits a phone.
 
-web/build makes the page; screenshots of every panel in both themes and widths go to target/tests/explorer.
+web/build makes the page. With SHOTS=1 screenshots of every panel in both themes and widths go to target/tests/explorer.
 """
 
 import json
@@ -32,7 +32,16 @@ def test_drop_table_canonical_in_three_clicks(explorer):
     assert text == cli("export", UR5E)
 
 
-def test_every_own_robot_has_the_table_of_the_command_line(explorer):
+def names_its_chain(page, robot):
+    """The chain's box names the chain of the table."""
+    drawn(page)
+    table = page.evaluate("() => { const { base, tip } = window.denavit.app.table; return `${base} → ${tip}`; }")
+    shown = page.locator("#chain").evaluate("box => box.selectedOptions[0].textContent")
+    assert shown.startswith(table + " "), (robot, shown)
+    assert page.get_attribute("#tip", "data-pose") is not None, robot
+
+
+def test_every_own_robot_has_the_table_of_the_command_line_and_its_chain_in_the_box(explorer):
     page = explorer()
     page.click("#example")
     expect(page.locator("#dh tbody tr").first).to_be_visible()
@@ -42,6 +51,8 @@ def test_every_own_robot_has_the_table_of_the_command_line(explorer):
         expected = json.loads(cli("table", robot, "--json"))
         # Sines and cosines differ in the last place between the platforms' libraries.
         same(without(table_of(page), "source"), without(expected, "source"), 1e-13)
+        if robot.suffix == ".urdf":
+            names_its_chain(page, robot)
     print(f"{len(OWN)} robots")
 
 
