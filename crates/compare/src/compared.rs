@@ -124,6 +124,3 @@ pub fn listed() -> String {
     ]
     .join("")
 }
-
-#[cfg(test)]
-mod tests;

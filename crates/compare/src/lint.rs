@@ -127,6 +127,3 @@ pub fn refused(problems: &[(Place, String)], config: &Config) -> Vec<Finding> {
 pub fn fails(findings: &[Finding]) -> bool {
     findings.iter().any(|finding| finding.level == Level::Error)
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,10 +1,10 @@
 //! Base, zeros and senses set free; and the bound, held against forward kinematics of its own.
 
-use crate::support::as_written;
-use crate::support::chance::Chance;
-use crate::support::harmless::origin_of;
-use crate::support::vendor;
-use crate::support::write::{PLAIN, again};
+use crate::real_files::support::as_written;
+use crate::real_files::support::chance::Chance;
+use crate::real_files::support::harmless::origin_of;
+use crate::real_files::support::vendor;
+use crate::real_files::support::write::{PLAIN, again};
 use denavit_compare::{Options, Scope, Subject, Verdict, compare};
 use denavit_model::nalgebra::Vector3;
 use denavit_model::se3::{self, Pose};

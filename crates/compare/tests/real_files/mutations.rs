@@ -1,8 +1,8 @@
 //! Harmless edits must read as the same robot, real ones must be found, named and measured.
 
-use crate::support::chance::Chance;
-use crate::support::write::{PLAIN, again};
-use crate::support::{as_written, harmless, real, vendor};
+use crate::real_files::support::chance::Chance;
+use crate::real_files::support::write::{PLAIN, again};
+use crate::real_files::support::{as_written, harmless, real, vendor};
 use denavit_compare::{Options, Subject, Verdict, compare, fingerprint_as};
 use denavit_model::{Reading, Robot};
 

@@ -1,6 +1,6 @@
 //! Pairs of real files of one robot, explained in words that name the joint.
 
-use crate::support::{as_written, vendor};
+use crate::real_files::support::{as_written, vendor};
 use denavit_compare::report::{Colour, Report, text};
 use denavit_compare::{Comparison, Options, Scope, Subject, Verdict, compare};
 

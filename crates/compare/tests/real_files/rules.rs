@@ -1,6 +1,6 @@
 //! The rules, held against every file of the corpus, readable or not.
 
-use crate::support::vendor;
+use crate::real_files::support::vendor;
 use denavit_compare::lint::{Config, Lookup, RULES, check, fix, rule};
 
 fn unknown(_: &str) -> Lookup {

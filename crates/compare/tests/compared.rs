@@ -1,6 +1,10 @@
-use super::{By, COMPARED};
-use crate::describe::describe;
-use crate::{Comparison, Options, Scope, Subject, Verdict, compare, fingerprint};
+//! Everything of a robot is compared in the way that the list says.
+
+use denavit_compare::compared::{By, COMPARED};
+use denavit_compare::describe::describe;
+use denavit_compare::lint::{Config, Lookup, check};
+use denavit_compare::report::{Colour, Report, text as text_of};
+use denavit_compare::{Comparison, Options, Scope, Subject, Verdict, compare, fingerprint};
 use denavit_model::urdf;
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -118,7 +122,7 @@ fn every_entry_of_the_list_is_compared_as_it_says() {
         for (from, to, words) in *edits {
             let text = edited(from, to);
             let (all, motion) = (found(&text, Scope::Everything), found(&text, Scope::Kinematics));
-            let said = crate::report::text(&crate::report::Report::Comparison(&all), crate::report::Colour::None);
+            let said = text_of(&Report::Comparison(&all), Colour::None);
             assert!(said.contains(words), "{from} to {to}: {said}");
             let differs = |comparison: &Comparison| comparison.verdict == Verdict::Different;
             assert_eq!(differs(&all), entry.by != By::Nobody, "{from} to {to}: {said}");
@@ -198,8 +202,8 @@ fn nothing_grows_with_the_square_of_the_robot() {
     // Eight times the joints: linear work takes 8 times as long, quadratic 64 times.
     let (small, large) = (400, 3200);
     let check = |text: &str, _: &str| {
-        let lookup = |_: &str| crate::lint::Lookup::Unknown;
-        drop(crate::lint::check("r", text, &lookup, &crate::lint::Config::default()));
+        let lookup = |_: &str| Lookup::Unknown;
+        drop(check("r", text, &lookup, &Config::default()));
     };
     let print = |text: &str, _: &str| drop(fingerprint(&Subject::Robot(&urdf::read("r", text).unwrap()), 1e-6));
     let differ = |one: &str, other: &str| {
@@ -243,8 +247,7 @@ fn absurd_magnitudes_end_and_are_found() {
     for length in ["1e6", "1e155", "1e308"] {
         let text = ROBOT.replace("<origin xyz=\"1 0 0\"/>", &format!("<origin xyz=\"{length} 0 0\"/>"));
         assert_eq!(found(&text, Scope::Everything).verdict, Verdict::Different);
-        let findings =
-            crate::lint::check("r", &text, &|_| crate::lint::Lookup::Unknown, &crate::lint::Config::default());
+        let findings = check("r", &text, &|_| Lookup::Unknown, &Config::default());
         assert!(findings.iter().any(|finding| finding.rule == "D016"), "{findings:?}");
         let robot = urdf::read("r", &text).unwrap();
         drop(fingerprint(&Subject::Robot(&robot), 1e-6));
