@@ -4,7 +4,7 @@ import math
 import struct
 
 import pytest
-from explorer_page import ROBOTS, UR5E, drawn, drop, drop_robot, has_table, needs_page, shot
+from explorer_page import ROBOTS, UR5E, drawn, drop, drop_robot, needs_page, shot
 from playwright.sync_api import expect
 
 pytestmark = needs_page
