@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-COUNT = int(os.environ.get("DENAVIT_CONFIGURATIONS", "1000000"))
+COUNT = int(os.environ.get("DENAVIT_CONFIGURATIONS", "4000000"))
 """Configurations of six joints: 48 bytes each in, 24 bytes out."""
 
 # The process may take the joint values, the tips and some megabytes more than it has: a copy of either would not fit.

@@ -1,6 +1,6 @@
 //! Rules and their examples.
 
-use denavit_compare::lint::{Config, Finding, Lookup, RULES, check, fails, fix, page, rule};
+use denavit_compare::lint::{Config, Finding, Lookup, RULES, Rule, check, fails, fix, page, rule};
 use denavit_model::settings::{Shown, shown};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,9 +9,9 @@ fn robot(content: &str) -> String {
     format!("<robot name=\"example\">\n{content}\n</robot>\n")
 }
 
-/// Examples of other formats are tested where those formats are read.
-fn is_urdf(bad: &str) -> bool {
-    !bad.starts_with("<mujoco") && !bad.starts_with("<sdf")
+/// Rules of other formats are compared with their examples where those formats are read.
+fn is_urdf(rule: &Rule) -> bool {
+    !rule.bad.starts_with("<mujoco") && !rule.bad.starts_with("<sdf")
 }
 
 /// Only the mesh of the corrected example is there.
@@ -25,7 +25,7 @@ fn codes(text: &str) -> Vec<&'static str> {
 
 #[test]
 fn each_rule_finds_its_bad_example_and_not_its_good_one() {
-    for rule in RULES.iter().filter(|rule| is_urdf(rule.bad)) {
+    for rule in RULES.iter().filter(|rule| is_urdf(rule)) {
         let (bad, good) = (codes(&robot(rule.bad)), codes(&robot(rule.good)));
         assert!(bad.contains(&rule.code), "{rule:?}: {bad:?}");
         assert!(!good.contains(&rule.code), "{rule:?}: {good:?}");
@@ -34,7 +34,7 @@ fn each_rule_finds_its_bad_example_and_not_its_good_one() {
 
 #[test]
 fn fixable_rules_turn_the_bad_example_into_the_good_one() {
-    for rule in RULES.iter().filter(|rule| is_urdf(rule.bad)) {
+    for rule in RULES.iter().filter(|rule| is_urdf(rule)) {
         let text = robot(rule.bad);
         let findings = check("example.urdf", &text, &lookup, &Config::default());
         let own: Vec<Finding> = findings.into_iter().filter(|finding| finding.rule == rule.code).collect();

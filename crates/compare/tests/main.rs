@@ -1,6 +1,6 @@
-//! Comparisons, rules and reports.
+//! Comparisons, rules and reports, seen from outside: one binary, a module for each subject.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a panic is a failure, and what is printed is read")]
 
 mod compared;
 mod lint;

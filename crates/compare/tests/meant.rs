@@ -1,8 +1,6 @@
 //! What is compared by what it means: followers through their drivers' senses and zeros, sensors where they sit, angles
 //! and axes as they were meant.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // Tests: a panic is a failure, what is printed is read.
-
 use denavit_compare::{Comparison, Options, Subject, Verdict, compare, fingerprint, fingerprint_as};
 use denavit_model::{Reading, Robot, urdf};
 

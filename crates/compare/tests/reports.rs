@@ -1,7 +1,5 @@
 //! Every report format, as the user sees it.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use denavit_compare::lint::{Config, Lookup, check};
 use denavit_compare::report::{Colour, FORMATS, Report, text};
 use denavit_compare::{Comparison, Options, Subject, compare};

@@ -1,4 +1,4 @@
-//! What reaches half of the crate.
+//! Files of effects, specified effects and sums of residuals, seen from outside: as unit tests they would compile half of the crate again.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
