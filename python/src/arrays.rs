@@ -3,7 +3,8 @@
 use crate::errors::argument;
 use numpy::{PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyModule};
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyModule, PyTuple};
 use std::num::NonZeroUsize;
 
 /// Below this many configurations the interpreter stays locked: releasing it costs more than the work.
@@ -87,6 +88,13 @@ pub fn contiguous<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray
     Ok(made.cast_into::<PyArrayDyn<f64>>()?)
 }
 
+/// A new array of zeros. Numpy's own function raises `MemoryError` where there is no room; `PyArray::zeros` panics.
+fn zeros<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let made = ZEROS.import(py, "numpy", "zeros")?.call1((PyTuple::new(py, shape)?,))?;
+    Ok(made.cast_into::<PyArrayDyn<f64>>()?)
+}
+
 /// A result array: `out` where it is given, else a new one.
 pub fn result<'py>(
     py: Python<'py>,
@@ -94,7 +102,7 @@ pub fn result<'py>(
     shape: &[usize],
 ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, PyReadwriteArrayDyn<'py, f64>)> {
     let array = match out {
-        None => PyArrayDyn::zeros(py, shape, false),
+        None => zeros(py, shape)?,
         Some(out) => {
             let wanted = shape_words(shape);
             let refused =

@@ -48,3 +48,12 @@ def test_tips_of_many_configurations_need_no_second_copy() -> None:
     assert done.stdout == "done\n", done.stderr
     # The limit bites: with less than what the tips need there is no room.
     assert "MemoryError" in run(COUNT, -COUNT * 24 - (64 << 20)).stderr
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="skipped, because limits of memory are Linux's")
+def test_a_result_without_room_is_a_memory_error() -> None:
+    # The joint values fit, the tips do not.
+    failed = run(COUNT, -COUNT * 24)
+    assert failed.returncode == 1
+    assert failed.stderr.splitlines()[-1].startswith("numpy."), failed.stderr
+    assert "chain.tips(q)" in failed.stderr and "MemoryError" in failed.stderr, failed.stderr

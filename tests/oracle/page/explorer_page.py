@@ -24,7 +24,8 @@ VENDOR = WORKSPACE.parent / "shared/vendor"
 SHOTS = WORKSPACE / "target/tests/explorer"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 LARGE = tempfile.TemporaryDirectory()
-DESKTOP = {"width": 1360, "height": 860}
+# A small laptop: pictures of a larger window take longer to draw.
+DESKTOP = {"width": 1100, "height": 640}
 PHONE = {"width": 360, "height": 740}
 # The machine may be busy: wait for up to a minute.
 expect.set_options(timeout=60_000)
