@@ -89,7 +89,7 @@ impl EffectsPosterior {
     /// # Errors
     /// What is wrong with the file.
     pub fn read(&self, file: &str, chain: &Chain, parameters: usize) -> Result<KnownEffects, String> {
-        let model = SavedEffects::from_value(file, &self.model, &Statics::of_chain(chain));
+        let model = SavedEffects::from_json(file, &self.model.to_string(), &Statics::of_chain(chain));
         let model = model.map_err(|error| error.to_string())?;
         let coefficients: usize = model.effects.iter().map(|effect| effect.coefficients.len()).sum();
         let mut modes = self.modes.clone();

@@ -214,7 +214,7 @@ impl Earlier {
         if found != SCHEMA && found != CALIBRATION_SCHEMA {
             return Err(EarlierError::Schema { file: file.into(), found: found.into() });
         }
-        let mut earlier: Self = serde_json::from_value(any).map_err(form)?;
+        let mut earlier: Self = serde_json::from_str(text).map_err(form)?;
         if let Some(posterior) = earlier.posterior.as_mut().filter(|posterior| !posterior.parameters.is_empty()) {
             earlier.parameters = std::mem::take(&mut posterior.parameters);
         }

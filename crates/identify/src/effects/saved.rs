@@ -214,7 +214,7 @@ impl SavedEffects {
 
     /// As JSON text, with the formula, units and source of each kind.
     pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(&self.written()).expect("names are texts and numbers are numbers") + "\n"
+        format!("{:#}\n", self.to_value())
     }
 
     /// The same as a part of another file.
@@ -256,15 +256,6 @@ impl SavedEffects {
             return Err(SavedError::Schema { file: file(), found: found.into() });
         }
         Self::from_saved(&file(), serde_json::from_str(text).map_err(form)?, statics)
-    }
-
-    /// From a part of another file; as [`SavedEffects::from_json`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn from_value(file: &str, value: &serde_json::Value, statics: &Statics) -> Result<Self, SavedError> {
-        let form = |error: serde_json::Error| SavedError::Form { file: file.into(), why: error.to_string() };
-        Self::from_saved(file, Saved::deserialize(value).map_err(form)?, statics)
     }
 
     fn from_saved(file: &str, saved: Saved, statics: &Statics) -> Result<Self, SavedError> {

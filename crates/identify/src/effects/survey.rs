@@ -382,18 +382,3 @@ fn ordered(mut data: Measurements, before: Option<&Measurements>) -> Measurement
     }
     data
 }
-
-#[cfg(test)]
-mod tests {
-    use super::with_run_order;
-    use crate::parameters::NoEffects;
-    use crate::simulate::{SimulationOptions, simulate};
-    use denavit_model::examples;
-
-    #[test]
-    fn a_subset_keeps_what_the_order_of_the_whole_run_shows() {
-        let run = with_run_order(simulate(&examples::puma_like(), &SimulationOptions::default(), &NoEffects).data);
-        let some = run.subset(&[3, 8, 20]);
-        assert_eq!(with_run_order(some.clone()), some);
-    }
-}
