@@ -55,5 +55,5 @@ def test_a_result_without_room_is_a_memory_error() -> None:
     # The joint values fit, the tips do not.
     failed = run(COUNT, -COUNT * 24)
     assert failed.returncode == 1
-    assert failed.stderr.splitlines()[-1].startswith("numpy."), failed.stderr
-    assert "chain.tips(q)" in failed.stderr and "MemoryError" in failed.stderr, failed.stderr
+    said = failed.stderr.splitlines()[-1]
+    assert "MemoryError" in said and f"({COUNT}, 3)" in said, failed.stderr
