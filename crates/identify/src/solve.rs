@@ -202,9 +202,16 @@ struct System {
 type Last = Option<Vec<f64>>;
 
 struct State<E> {
-    arm: Arm,
     effects: E,
+    at: Evaluated,
+}
+
+/// What a state's arm and effects give; everything but their evaluation needs no more.
+struct Evaluated {
+    arm: Arm,
     sums: Sums,
+    /// Conditions from other knowledge, and the cost of all priors.
+    known: Vec<Known>,
     prior: f64,
 }
 
@@ -256,14 +263,14 @@ impl Solver<'_> {
         let mut state = self.evaluate(arm.clone(), effects.clone(), &weights);
         let mut used = self.unused();
         let mut robust = self.options.robust;
-        let mut noise = self.noise_of(&state.sums.squares, &weights, &used, robust);
+        let mut noise = self.noise_of(&state.at.sums.squares, &weights, &used, robust);
         // The nominal robot's residual is not noise: give the data more weight in the first step.
         noise.levels.iter_mut().for_each(|level| *level *= TRUST_AT_START);
         let (mut damping, mut iterations, mut rounds, mut exact) = (FIRST_DAMPING, 0, 0, false);
         let mut last = None;
         while iterations < self.options.most_iterations {
             iterations += 1;
-            let system = self.system(&state, &noise);
+            let system = self.system(&state.at, &noise);
             let Step { next, promise, undamped } =
                 self.step(&state, &system, &noise, &weights, (&mut damping, &mut last));
             let stuck = next.is_none();
@@ -271,39 +278,39 @@ impl Solver<'_> {
                 state = next;
             }
             if robust {
-                noise = self.noise_of(&state.sums.squares, &weights, &used, true);
+                noise = self.noise_of(&state.at.sums.squares, &weights, &used, true);
                 if stuck || promise < PROMISE_FOR_REJECTION || noise == self.rounding() || iterations > 12 {
                     robust = false;
                     damping = FIRST_DAMPING;
-                    weights = self.kept(&state.sums.squares, given, &noise);
-                    state = self.evaluate(state.arm, state.effects, &weights);
-                    used = self.parameters_used(&state, &noise);
-                    noise = self.noise_of(&state.sums.squares, &weights, &used, false);
+                    weights = self.kept(&state.at.sums.squares, given, &noise);
+                    state = self.evaluate(state.at.arm, state.effects, &weights);
+                    used = self.parameters_used(&state.at, &noise);
+                    noise = self.noise_of(&state.at.sums.squares, &weights, &used, false);
                 } else {
-                    weights = self.downweighted(&state.sums.squares, given, &noise);
+                    weights = self.downweighted(&state.at.sums.squares, given, &noise);
                     if promise < PROMISE_NEAR_END {
                         // New weights matter more than the next step: sums with the old weights would mislead it.
-                        state = self.evaluate(state.arm, state.effects, &weights);
+                        state = self.evaluate(state.at.arm, state.effects, &weights);
                     }
                 }
                 continue;
             }
-            used = self.parameters_used(&state, &noise);
-            let now = self.noise_of(&state.sums.squares, &weights, &used, false);
-            let wide = self.as_wide(&state, &now);
+            used = self.parameters_used(&state.at, &noise);
+            let now = self.noise_of(&state.at.sums.squares, &weights, &used, false);
+            let wide = self.as_wide(&state.at, &now);
             let same = wide.is_none_or(|wide| (wide / self.layout.prior.widened).ln().abs() < SAME_WIDTH);
             let steady = now.near(&noise) && same;
             noise = now;
             if let Some(wide) = wide.filter(|_| !same) {
                 self.layout.prior = self.layout.prior.clone().with_variance(wide);
-                state.prior = self.charged(&state.arm, &state.effects);
+                state.at.prior = self.prior_cost(&state.at.arm, &state.at.known);
             }
             let rounding = noise == self.rounding();
             let least = self.options.least_promise;
             let ended = undamped < PROMISE_OF_A_RESULT && (stuck || promise < least);
             if (ended || stuck || rounding) && steady {
                 let kept = if self.options.robust && rounds < 4 {
-                    self.kept(&state.sums.squares, given, &noise)
+                    self.kept(&state.at.sums.squares, given, &noise)
                 } else {
                     weights.clone()
                 };
@@ -313,7 +320,7 @@ impl Solver<'_> {
                 }
                 rounds += 1;
                 weights = kept;
-                state = self.evaluate(state.arm, state.effects, &weights);
+                state = self.evaluate(state.at.arm, state.effects, &weights);
             }
             if stuck || promise < least {
                 // The damping made the step short.
@@ -324,22 +331,22 @@ impl Solver<'_> {
     }
 
     fn finish<E: Effects>(&self, state: State<E>, weights: Vec<f64>, iterations: usize, exact: bool) -> Fit<E> {
-        let mut noise = self.noise_of(&state.sums.squares, &weights, &self.unused(), false);
+        let mut noise = self.noise_of(&state.at.sums.squares, &weights, &self.unused(), false);
         let mut used = self.unused();
         for _ in 0..4 {
-            used = self.parameters_used(&state, &noise);
-            noise = self.noise_of(&state.sums.squares, &weights, &used, false);
+            used = self.parameters_used(&state.at, &noise);
+            noise = self.noise_of(&state.at.sums.squares, &weights, &used, false);
         }
-        let unfinished = if exact { None } else { self.unfinished(&state, &noise) };
-        let covariance = self.covariance(&state, &noise);
+        let unfinished = if exact { None } else { self.unfinished(&state.at, &noise) };
+        let covariance = self.covariance(&state.at, &noise);
         Fit {
-            values: state.sums.channels.iter().map(|channel| channel.count).collect(),
-            arm: state.arm,
+            values: state.at.sums.channels.iter().map(|channel| channel.count).collect(),
+            arm: state.at.arm,
             effects: state.effects,
             layout: self.layout.clone(),
             noise,
             weights,
-            squares: state.sums.squares,
+            squares: state.at.sums.squares,
             covariance,
             parameters_used: used,
             iterations,
@@ -350,7 +357,7 @@ impl Solver<'_> {
     }
 
     /// The remaining decrease at a state; `None` where it is negligible.
-    fn unfinished<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<Unfinished> {
+    fn unfinished(&self, state: &Evaluated, noise: &Noise) -> Option<Unfinished> {
         let system = self.system(state, noise);
         let Some(full) = system.solve(0.0) else {
             return Some(Unfinished { promise: f64::NAN, parameters: Vec::new() });
@@ -372,10 +379,6 @@ impl Solver<'_> {
         &self.data.scene
     }
 
-    fn known<E: Effects>(&self, arm: &Arm, effects: &E) -> Vec<Known> {
-        self.layout.known(self.scene(), arm, &effects.numbers())
-    }
-
     fn unused(&self) -> Vec<f64> {
         vec![0.0; self.scene().channels.len()]
     }
@@ -383,14 +386,14 @@ impl Solver<'_> {
     fn evaluate<E: Effects>(&self, arm: Arm, effects: E, weights: &[f64]) -> State<E> {
         self.jacobians.set(self.jacobians.get() + 1);
         let sums = ResidualModel { data: self.data, layout: &self.layout, effects: &effects }.sums(&arm, weights);
-        let prior = self.charged(&arm, &effects);
-        State { arm, effects, sums, prior }
+        let known = self.layout.known(self.scene(), &arm, &effects.numbers());
+        let prior = self.prior_cost(&arm, &known);
+        State { effects, at: Evaluated { arm, sums, known, prior } }
     }
 
-    /// The cost of the priors.
-    fn charged<E: Effects>(&self, arm: &Arm, effects: &E) -> f64 {
-        let known: f64 = self.known(arm, effects).iter().map(|known| known.residual.powi(2)).sum();
-        self.layout.prior_cost(arm, &self.reference) + known
+    /// The cost of all priors.
+    fn prior_cost(&self, arm: &Arm, known: &[Known]) -> f64 {
+        self.layout.prior_cost(arm, &self.reference) + known.iter().map(|known| known.residual.powi(2)).sum::<f64>()
     }
 
     /// Ratio of the variance of the axes' errors to that of the drawing's tolerances: 1 where chance explains their size; none where there is
@@ -398,7 +401,7 @@ impl Solver<'_> {
     ///
     /// With γ the number of parameters that the data determine and c² = δᵀ P δ, P by the drawing, the likelihood is largest where c² = κ² γ
     /// (MacKay 1992, "Bayesian interpolation", eq. 28); κ has the same prior as in averaging.
-    fn as_wide<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Option<f64> {
+    fn as_wide(&self, state: &Evaluated, noise: &Noise) -> Option<f64> {
         if !self.may_be_wide() {
             return None;
         }
@@ -424,12 +427,12 @@ impl Solver<'_> {
             && self.layout.prior.is_of_drawing()
     }
 
-    fn objective<E>(&self, state: &State<E>, weights: &[f64], noise: &Noise) -> f64 {
+    fn objective(&self, state: &Evaluated, weights: &[f64], noise: &Noise) -> f64 {
         let sizes = self.sizes(&state.sums.squares, noise);
         sizes.zip(weights).map(|(size, weight)| weight * size).sum::<f64>() + state.prior
     }
 
-    fn system<E: Effects>(&self, state: &State<E>, noise: &Noise) -> System {
+    fn system(&self, state: &Evaluated, noise: &Noise) -> System {
         let n = self.layout.len();
         let perturbation = self.layout.perturbation(&state.arm, &self.reference);
         let mut matrix = DMatrix::<f64>::zeros(n, n);
@@ -443,7 +446,7 @@ impl Solver<'_> {
                 }
             }
         }
-        for known in self.known(&state.arm, &state.effects) {
+        for known in &state.known {
             for (i, a) in &known.columns {
                 gradient[*i] -= a * known.residual;
                 for (k, b) in known.columns.iter().filter(|(k, _)| k >= i) {
@@ -476,7 +479,7 @@ impl Solver<'_> {
 
     /// Inverse of a large change of a parameter: its tolerance; 1 m or 1 rad for frames and targets; for an effect's number the change that
     /// moves the measured values by [`LARGE_EFFECT`].
-    fn precision<E>(&self, index: usize, state: &State<E>) -> f64 {
+    fn precision(&self, index: usize, state: &Evaluated) -> f64 {
         if self.layout.effects.contains(&index) {
             let n = self.layout.len();
             let mut moved = (0.0, 0.0);
@@ -497,7 +500,7 @@ impl Solver<'_> {
         weights: &[f64],
         (damping, last): (&mut f64, &mut Last),
     ) -> Step<E> {
-        let before = self.objective(state, weights, noise);
+        let before = self.objective(&state.at, weights, noise);
         let least = self.options.least_promise;
         let undamped = system.solve(0.0).map_or(f64::INFINITY, |full| system.decrease(&full));
         let mut promise = undamped;
@@ -518,14 +521,14 @@ impl Solver<'_> {
                     *cell /= 1.0 - share;
                 }
             }
-            let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+            let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.at.arm, &step), &self.reference);
             let effects = state.effects.stepped(&step[self.layout.effects.clone()]);
             let mut next = self.evaluate(arm, effects, weights);
-            let mut after = self.objective(&next, weights, noise);
+            let mut after = self.objective(&next.at, weights, noise);
             // NaN counts as failed.
             let as_predicted = before - after >= NEARLY_LINEAR * promise;
             if !as_predicted && let Some(placed) = self.placed_again(&next, noise, weights) {
-                let found = self.objective(&placed, weights, noise);
+                let found = self.objective(&placed.at, weights, noise);
                 if found < after || after.is_nan() {
                     (next, after) = (placed, found);
                 }
@@ -559,7 +562,7 @@ impl Solver<'_> {
         if first == 0 || first == n {
             return None;
         }
-        let system = self.system(state, noise);
+        let system = self.system(&state.at, noise);
         let placing = n - first;
         let mut matrix = system.matrix.view((first, first), (placing, placing)).into_owned();
         (0..placing).for_each(|k| matrix[(k, k)] += LEAST_DAMPING);
@@ -571,7 +574,7 @@ impl Solver<'_> {
         if step.iter().any(|cell| !cell.is_finite()) {
             return None;
         }
-        let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.arm, &step), &self.reference);
+        let arm = gauge::centred(&self.layout, &self.layout.stepped(&state.at.arm, &step), &self.reference);
         Some(self.evaluate(arm, state.effects.clone(), weights))
     }
 
@@ -639,7 +642,7 @@ impl Solver<'_> {
         gross(self.data, squares, given, noise)
     }
 
-    fn parameters_used<E: Effects>(&self, state: &State<E>, noise: &Noise) -> Vec<f64> {
+    fn parameters_used(&self, state: &Evaluated, noise: &Noise) -> Vec<f64> {
         let system = self.system(state, noise);
         let mut used = self.unused();
         let inverse = system.inverse();
@@ -656,7 +659,7 @@ impl Solver<'_> {
         used
     }
 
-    fn covariance<E: Effects>(&self, state: &State<E>, noise: &Noise) -> DMatrix<f64> {
+    fn covariance(&self, state: &Evaluated, noise: &Noise) -> DMatrix<f64> {
         let system = self.system(state, noise);
         let n = self.layout.len();
         let mut covariance = system.inverse();
