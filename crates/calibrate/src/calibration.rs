@@ -323,21 +323,29 @@ pub fn calibrate_and_tell(
         averaging(statics, &train, &identification, &options.identify, before).map(Box::new)
     };
     let noise = || options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten();
-    let (averaging, noise) = join(averaging, noise);
+    let named = reached.map_or(geometry.1, |reached| reached.adopted);
+    let found_here = found.as_ref().filter(|_| named == Adopted::Effects);
+    let unsure = found_here.filter(|found| found.findings.iter().any(|finding| !finding.named));
+    let prospect = || {
+        let (found, reached) = (unsure?, reached?);
+        let fit = || reached.fit.clone().into_owned();
+        open::prospect(&open::open(Some(found), statics, &train, fit, &geometric.arm), &train)
+    };
+    let (averaging, (noise, prospect)) = join(averaging, || join(noise, prospect));
     if let Ok(averaging) = &averaging {
         stages.add_averaged(&averaging.fit)?;
     }
     let recommended = stages.adopt();
     let Stages { done: stages, mut held_out, .. } = stages;
     let held_out = held_out.swap_remove(recommended);
-    let (named, weights, information, (parameters, posterior, differs)) = match reached {
-        Some(Beyond { adopted, fit, deflections, modes, .. }) => {
+    let (weights, information, (parameters, posterior, differs)) = match reached {
+        Some(Beyond { fit, deflections, modes, .. }) => {
             let (parameters, posterior, differs) = identified(fit);
             let effects = EffectsPosterior::of(fit, deflections.len(), modes);
             let posterior = posterior.map(|posterior| Posterior { effects, ..posterior });
-            (*adopted, &fit.weights, Information::of(fit), (parameters, posterior, differs))
+            (&fit.weights, Information::of(fit), (parameters, posterior, differs))
         }
-        None => (geometry.1, &geometry.2.weights, Information::of(geometry.2), identified(geometry.2)),
+        None => (&geometry.2.weights, Information::of(geometry.2), identified(geometry.2)),
     };
     let plain = &identification.geometric;
     let (adopted, information, (parameters, posterior, differs)) = match &averaging {
@@ -345,7 +353,6 @@ pub fn calibrate_and_tell(
         Ok(_) => (Adopted::Averaged, Information::of(plain), of_geometric_stage(plain, parameters, posterior)),
         Err(_) => (named, information, (parameters, posterior, differs)),
     };
-    let found_here = found.as_ref().filter(|_| named == Adopted::Effects);
     let entries = |of: bool| entries(found_here, of, chain);
     let left = || match (&averaging, reached) {
         (Ok(averaging), _) => kept(&averaging.fit, &train),
@@ -397,7 +404,7 @@ pub fn calibrate_and_tell(
         joint_zeros,
         effects: entries(true),
         one_of: entries(false),
-        prospect: None,
+        prospect,
         prediction: averaging.as_ref().ok().map(|averaging| Expected::of(averaging, &train)),
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(&reached.fit, &reached.gains)),
         fields: reached.map_or_else(Vec::new, |reached| FieldEntry::of_fit(&train, &reached.fit, &reached.deflections)),
@@ -418,7 +425,7 @@ pub fn calibrate_and_tell(
         train: Arc::new(train),
         test: test.map(Arc::new),
     };
-    describe(&mut result, statics);
+    describe(&mut result);
     Ok(result)
 }
 
@@ -494,11 +501,10 @@ fn held_curves(curves: &[Curve]) -> Vec<HeldCurve<'_>> {
 }
 
 /// The parts of the report that concern the whole result.
-fn describe(result: &mut Calibration, statics: &Statics) {
+fn describe(result: &mut Calibration) {
     result.report.placements = Some(rows::placements(result.arm(), &result.train.scene));
     let (train, test) = (&result.train, result.test.as_ref());
     result.report.rows = Rows::of(result.fit(), (train, test), result.report.placed_anew.as_ref());
-    result.report.prospect = result.prospect(statics);
 }
 
 /// The components of the noise of the adopted fit, which may have error curves.

@@ -4,6 +4,7 @@ use denavit_identify::arm::Row;
 use denavit_identify::averaging::Averaging;
 use denavit_identify::effects::Conditions;
 use denavit_identify::effects::averaged::Averaged;
+use denavit_linear::threads::in_parallel;
 use denavit_measurements::{Measurements, RecordedRow};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -46,12 +47,13 @@ impl Expected {
         let root = (data.scene.channels.iter().map(|part| part.height).max().unwrap_or(1).min(3) as f64).sqrt();
         let averaged = &averaging.fit.effects;
         let rows = data.spread_by_posture(POSTURES.min(data.len()));
-        let mut inside: Vec<f64> =
-            rows.iter().map(|&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row)))).collect();
+        let mut inside =
+            in_parallel(&rows, |&row| root * averaged.expected_error(&Conditions::of(Row::new(data, row))));
         inside.sort_by(f64::total_cmp);
         let inside_m = inside.get(inside.len() / 2).copied().unwrap_or(f64::NAN);
-        let outside = (0..data.joints.len()).filter_map(|k| outside(averaged, data, k, root)).collect();
-        Self { inside_m, geometric_m: root * averaging.left_out[0], outside }
+        let joints: Vec<usize> = (0..data.joints.len()).collect();
+        let outside = in_parallel(&joints, |&k| outside(averaged, data, k, root)).into_iter().flatten();
+        Self { inside_m, geometric_m: root * averaging.left_out[0], outside: outside.collect() }
     }
 
     /// As lines of a report.

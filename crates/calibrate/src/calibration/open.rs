@@ -2,11 +2,16 @@
 
 use crate::apply::plan::tell_apart::{Prospect, TellApart, tell_apart};
 use crate::apply::plan::{PlanError, PlanOptions};
-use crate::calibration::Calibration;
+use crate::calibration::result::Calibration;
+use denavit_identify::arm::Arm;
 use denavit_identify::carried::Carried;
 use denavit_identify::effects::driver::Statics;
+use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::survey::Survey;
+use denavit_identify::solve::Fit;
+use denavit_measurements::Measurements;
 use denavit_measurements::kinds::ObservationKind;
+use denavit_trace::Trace;
 use denavit_trace::infer::hypotheses::Open;
 use std::sync::Arc;
 
@@ -18,15 +23,10 @@ const FEW_CANDIDATES: usize = 60;
 impl Calibration {
     /// The possible sets of causes of the run; if no cause is uncertain, only the adopted model, with its geometry, effects and curves.
     pub fn open(&self, statics: &Statics) -> Arc<Open> {
-        if let Some(open) = self.trace.as_ref().and_then(|found| found.open.clone()) {
-            return open;
-        }
-        let survey = Survey::of(statics, &self.train, Vec::new());
         let geometric = &self.identification.geometric;
         let earlier = self.carried.as_ref().map(Carried::beside);
-        let plain = || geometric.with_model(statics, earlier.as_ref());
-        let fit = self.named().cloned().unwrap_or_else(plain);
-        Arc::new(Open::of_fit(&survey, &self.train, &fit, &geometric.arm))
+        let fit = || self.named().cloned().unwrap_or_else(|| geometric.with_model(statics, earlier.as_ref()));
+        open(self.trace.as_ref(), statics, &self.train, fit, &geometric.arm)
     }
 
     /// Chooses poses to measure next: those that distinguish causes that the run cannot, else those that reduce the variance of the
@@ -37,14 +37,23 @@ impl Calibration {
     pub fn tell_apart(&self, statics: &Statics, options: &PlanOptions) -> Result<TellApart, PlanError> {
         tell_apart(&self.open(statics), &self.train, options)
     }
+}
 
-    /// What further poses would decide about causes that are not named; `None` if all are named or poses cannot be planned. Cheap: few candidates.
-    pub(super) fn prospect(&self, statics: &Statics) -> Option<Prospect> {
-        if self.report.one_of.is_empty() {
-            return None;
-        }
-        let usual = PlanOptions::new(&self.arm().nominal, MORE_POSES, ObservationKind::Position);
-        let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
-        self.tell_apart(statics, &options).ok().map(|planned| planned.prospect)
-    }
+/// The possible sets of causes; if none is uncertain, only this model.
+pub(super) fn open(
+    found: Option<&Trace>,
+    statics: &Statics,
+    data: &Measurements,
+    fit: impl FnOnce() -> Fit<EffectModel>,
+    reference: &Arm,
+) -> Arc<Open> {
+    let of_fit = || Arc::new(Open::of_fit(&Survey::of(statics, data, Vec::new()), data, &fit(), reference));
+    found.and_then(|found| found.open.clone()).unwrap_or_else(of_fit)
+}
+
+/// What further poses would decide about these sets of causes; `None` if poses cannot be planned. Cheap: few candidates.
+pub(super) fn prospect(open: &Open, data: &Measurements) -> Option<Prospect> {
+    let usual = PlanOptions::new(&open.arm().nominal, MORE_POSES, ObservationKind::Position);
+    let options = PlanOptions { spread: FEW_CANDIDATES, ..usual };
+    tell_apart(open, data, &options).ok().map(|planned| planned.prospect)
 }

@@ -27,7 +27,6 @@ pub use crate::effects::columns::{
 
 use self::piecewise::hats;
 use self::side::side_of;
-use crate::arm::AxisBasis;
 use crate::effects::history::History;
 use denavit_measurements::Column;
 use denavit_model::nalgebra::Vector3;
@@ -83,7 +82,7 @@ pub enum Driver<C = Column> {
         /// Torque at which the compliance is half, N·m (N for a slide).
         knee: f64,
     },
-    /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`] and [`AxisBasis::b`].
+    /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`](crate::arm::AxisBasis::a) and [`AxisBasis::b`](crate::arm::AxisBasis::b).
     MomentAcross(usize),
     /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
     Cantilever(usize),
@@ -327,7 +326,7 @@ impl Driver {
                 out.extend([torque, torque / (1.0 + torque.abs() / knee)]);
             }
             Self::MomentAcross(joint) => {
-                let basis = AxisBasis::of(&joints[*joint].screw);
+                let basis = &statics.bases[*joint];
                 let moment = posture.state.before[*joint].rotation.inverse() * posture.moment_across(*joint);
                 out.extend([moment.dot(&basis.a), moment.dot(&basis.b)]);
             }

@@ -1,6 +1,6 @@
 //! The chain and its masses, and the arm's posture with them in a row.
 
-use crate::arm::{Perturbation, Row, RowState};
+use crate::arm::{AxisBasis, Perturbation, Row, RowState};
 use crate::effects::gravity::{Load, Masses, PointMass};
 use crate::effects::link_points::{axis_points, link_points, points_of};
 use denavit_measurements::RecordedRow;
@@ -84,6 +84,8 @@ pub struct Statics {
     pub points: Vec<Point3<f64>>,
     /// For each joint, the joint that carries it.
     pub(super) carriers: Vec<Option<usize>>,
+    /// For each joint, directions across its axis.
+    pub(super) bases: Vec<AxisBasis>,
 }
 
 /// Where a link ends on the way to a tip.
@@ -99,7 +101,8 @@ impl Statics {
     /// From these parts; `points`: one per joint and one for each tip.
     pub(in crate::effects) fn new(chain: Chain, tips: Arc<Tips>, masses: Masses, points: Vec<Point3<f64>>) -> Self {
         let carriers = tips.carriers();
-        Self { chain, tips, masses, points, carriers }
+        let bases = chain.joints().iter().map(|joint| AxisBasis::of(&joint.screw)).collect();
+        Self { chain, tips, masses, points, carriers, bases }
     }
 
     /// For a chain of this robot, its angles as intended.

@@ -1,6 +1,5 @@
 //! Gravity's loads on joints, links and the base of an arm in a posture.
 
-use crate::arm::AxisBasis;
 use crate::effects::driver::statics::{Posture, Statics};
 use denavit_model::Screw;
 use denavit_model::nalgebra::{Rotation3, Vector3};
@@ -55,7 +54,7 @@ impl Statics {
         // Torque per first moment h (kg m): axis · (h × gravity) = (gravity × axis) · h.
         let lever = self.masses.gravity.cross(&axis);
         for link in self.carried(joint, links) {
-            let basis = AxisBasis::of(&self.chain.joints()[link].screw);
+            let basis = &self.bases[link];
             let rotation = &state.after[link].rotation;
             out.push(lever.dot(&(rotation * basis.a)));
             out.push(lever.dot(&(rotation * basis.b)));
@@ -87,6 +86,7 @@ impl Statics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arm::AxisBasis;
     use crate::arm::Arm;
     use crate::effects::driver::Conditions;
     use denavit_measurements::RecordedRow;

@@ -5,6 +5,9 @@
 //! its expected values are measured, the differences r of the predictions of a and b give the noncentrality d² of b's lack of fit:
 //! d² = Σ r²/(1 + v).
 
+use denavit_linear::products::{gram_of, subtract};
+use denavit_linear::threads::in_parallel;
+use denavit_linear::triangle::{Triangle, dot};
 use denavit_model::nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use denavit_trace::infer::hypotheses::{Hypotheses, Predicted};
 use std::ops::Range;
@@ -19,8 +22,8 @@ const LEAST_STEP: f64 = 2e-3;
 /// One hypothesis, conditioned on the poses chosen.
 #[derive(Debug, Clone)]
 struct Conditioned {
-    /// For each value of the condition, its covariances with all values over √(1 + its variance).
-    shares: Vec<Vec<f64>>,
+    /// For each value of the condition, its covariances with all values over √(1 + its variance); one after the other.
+    shares: Vec<f64>,
     /// Covariances within each row, row by row of the block.
     blocks: Vec<Vec<f64>>,
 }
@@ -126,41 +129,39 @@ impl<'a> Design<'a> {
     /// Conditions everything on the values of a row.
     fn add(&mut self, row: usize) {
         let (count, split) = (self.offered.predicted.len(), self.offered.split());
-        let wanted = self.offered.metres.len() - split;
-        for value in self.offered.rows[row].clone() {
-            for (b, predicted) in self.offered.predicted.iter().enumerate() {
-                let mut covariances = predicted.covariances(value..value + 1, 0..self.offered.metres.len());
-                let own = &mut self.now.of[b];
-                for share in &own.shares {
-                    let at = share[value];
-                    covariances.iter_mut().zip(share).for_each(|(cell, other)| *cell -= at * other);
-                }
+        let (all, values) = (self.offered.metres.len(), self.offered.rows[row].clone());
+        for (b, predicted) in self.offered.predicted.iter().enumerate() {
+            let own = &mut self.now.of[b];
+            let known = own.shares.len();
+            let lines = predicted.covariances(values.clone(), 0..all);
+            for (mut covariances, value) in lines.chunks_exact(all).map(<[f64]>::to_vec).zip(values.clone()) {
+                let at: Vec<f64> = own.shares.iter().skip(value).step_by(all).copied().collect();
+                subtract(&own.shares, &at, &mut covariances);
                 let variance = 1.0 + covariances[value].max(0.0);
                 for a in (0..count).filter(|a| *a != b) {
                     let pair = a * count + b;
                     let innovation = self.now.apart[pair][value];
                     self.now.noncentrality[pair] += innovation * innovation / variance;
-                    let gain = innovation / variance;
-                    let all = self.now.apart[pair].iter_mut().zip(&covariances);
-                    all.for_each(|(cell, covariance)| *cell -= gain * covariance);
+                    subtract(&covariances, &[innovation / variance], &mut self.now.apart[pair]);
                 }
                 let root = variance.sqrt().recip();
-                for cell in &mut covariances {
-                    *cell *= root;
-                }
-                for (block, row) in own.blocks.iter_mut().zip(self.offered.rows) {
-                    let share = &covariances[row.clone()];
+                covariances.iter_mut().for_each(|cell| *cell *= root);
+                own.shares.extend(covariances);
+            }
+            let new = &own.shares[known..];
+            for (block, row) in own.blocks.iter_mut().zip(self.offered.rows) {
+                for share in new.chunks_exact(all).map(|share| &share[row.clone()]) {
                     for (cells, left) in block.chunks_exact_mut(row.len().max(1)).zip(share) {
                         cells.iter_mut().zip(share).for_each(|(cell, right)| *cell -= left * right);
                     }
                 }
-                if b == 0 && wanted > 0 {
-                    let (candidates, others) = covariances.split_at(split);
-                    for (cells, left) in self.now.toward.chunks_exact_mut(wanted).zip(candidates) {
-                        cells.iter_mut().zip(others).for_each(|(cell, right)| *cell -= left * right);
-                    }
+            }
+            if b == 0 && split < all {
+                let wanted: Vec<f64> = new.chunks_exact(all).flat_map(|share| &share[split..]).copied().collect();
+                for (candidate, cells) in self.now.toward.chunks_exact_mut(all - split).enumerate() {
+                    let left: Vec<f64> = new.iter().skip(candidate).step_by(all).copied().collect();
+                    subtract(&wanted, &left, cells);
                 }
-                own.shares.push(covariances);
             }
         }
     }
@@ -210,9 +211,10 @@ impl<'a> Design<'a> {
     }
 
     /// The candidate not yet chosen for which this is largest.
-    fn best(&self, of: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
-        let open = (0..self.offered.candidates).filter(|row| !self.chosen.contains(row));
-        open.map(|row| (row, of(row))).filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+    fn best(&self, of: impl Fn(usize) -> f64 + Sync) -> Option<(usize, f64)> {
+        let open: Vec<usize> = (0..self.offered.candidates).filter(|row| !self.chosen.contains(row)).collect();
+        let gains = open.iter().copied().zip(in_parallel(&open, |&row| of(row)));
+        gains.filter(|(_, gain)| gain.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Chooses this many of the candidates, alternating between one that distinguishes the hypotheses and one that lowers the variance of
@@ -244,28 +246,27 @@ impl<'a> Design<'a> {
         let values: Vec<usize> = self.chosen.iter().flat_map(|&row| self.offered.rows[row].clone()).collect();
         let size = values.len();
         let count = self.offered.predicted.len();
-        let spread = |index: usize| {
-            let one = |i: usize, k: usize| if i == k { 1.0 } else { 0.0 };
-            DMatrix::from_fn(size, size, |i, k| {
-                self.offered.predicted[index].covariance(values[i], values[k]) + one(i, k)
-            })
+        let spread = |of: &Predicted| -> Vec<f64> {
+            let cell = |k: usize| of.covariance(values[k / size], values[k % size]) + f64::from(k % (size + 1) == 0);
+            (0..size * size).map(cell).collect()
         };
-        let spreads: Vec<DMatrix<f64>> = (0..count).map(spread).collect();
-        let factors: Vec<Option<Cholesky<f64, Dyn>>> = spreads.iter().map(|spread| spread.clone().cholesky()).collect();
-        let log = |factor: &Cholesky<f64, Dyn>| {
-            factor.l_dirty().diagonal().iter().take(size).map(|cell| 2.0 * cell.ln()).sum::<f64>()
-        };
+        let spreads: Vec<Vec<f64>> = in_parallel(&self.offered.predicted, spread);
+        // Of each spread the logarithm of the determinant and the inverse.
+        let solved: Vec<Option<(f64, Vec<f64>)>> = in_parallel(&spreads, |spread| {
+            let factor = Triangle::factor(spread.clone(), size)?;
+            Some((factor.log_determinant(), gram_of(&factor.inverse_columns(), size)))
+        });
         let of = |pair: usize| {
             let (a, b) = (pair / count, pair % count);
-            let (Some(own), Some(other)) = (&factors[a], &factors[b]) else {
+            let (Some((own, _)), Some((other, inverse))) = (&solved[a], &solved[b]) else {
                 return Separation { true_one: a, other: b, rise: 0.0 };
             };
             let expected = |index: usize| &self.offered.predicted[index].expected;
-            let apart =
-                DVector::from_iterator(size, values.iter().map(|&value| expected(a)[value] - expected(b)[value]));
-            let square = apart.dot(&other.solve(&apart)) / self.offered.noise;
-            let trace = other.solve(&spreads[a]).trace();
-            let rise = 0.5 * (trace - size as f64 + square + log(other) - log(own));
+            let apart: Vec<f64> = values.iter().map(|&value| expected(a)[value] - expected(b)[value]).collect();
+            let along = inverse.chunks_exact(size.max(1)).map(|row| dot(row, &apart));
+            let square = along.zip(&apart).map(|(along, apart)| along * apart).sum::<f64>() / self.offered.noise;
+            let trace = dot(inverse, &spreads[a]);
+            let rise = 0.5 * (trace - size as f64 + square + other - own);
             Separation { true_one: a, other: b, rise: rise.max(0.0) }
         };
         self.pairs().map(of).collect()
