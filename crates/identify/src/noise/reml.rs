@@ -11,10 +11,11 @@
 //! much as forming A. The matrix of second derivatives is the average information of Gilmour, Thompson and Cullis, Biometrics 51
 //! (1995), 1440; variances are not negative (projected Newton steps, Bertsekas 1982).
 
-use denavit_linear::products::{TILE, add_gram, gram_of};
+use denavit_linear::products::{TILE, add_gram, gram_of, subtract};
 use denavit_linear::threads::in_parallel;
 use denavit_linear::triangle::{Triangle, dot};
-use denavit_model::nalgebra::{DMatrix, DMatrixView, DVector};
+use denavit_model::nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Values in a part, about: rows are processed in parts so that their columns stay in the cache.
 const VALUES_OF_A_PART: usize = 384;
@@ -67,9 +68,9 @@ impl RowBlock {
 #[derive(Debug, Clone)]
 struct Part {
     rows: Vec<RowPlace>,
-    /// X, then y, column by column; padded to a multiple of the tile's width.
-    cells: Vec<f64>,
-    values: usize,
+    /// X, value by value.
+    x: Vec<f64>,
+    y: Vec<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -155,30 +156,23 @@ pub struct Likeliest {
 
 /// A part with whitened rows.
 struct Whitened {
-    /// L⁻¹ [X | y].
-    cells: Vec<f64>,
+    /// L⁻¹ X, value by value.
+    x: Vec<f64>,
+    /// L⁻¹ y.
+    y: Vec<f64>,
     /// Lower triangles L of V_i = L Lᵀ, one full square block per row, column by column.
     factors: Vec<f64>,
     log_determinant: f64,
+    /// Products of the columns of x and y, each with those to its right and with itself.
     gram: Vec<f64>,
 }
 
-/// The factor for integrating out β.
+/// The factor A = R Rᵀ for integrating out β.
 struct Integrated {
     deviance: f64,
     factor: Triangle,
-    /// L⁻¹ of the gradient.
+    /// R⁻¹ g.
     half: Vec<f64>,
-}
-
-impl Integrated {
-    /// A⁻¹, and β = A⁻¹ g.
-    fn solved(&self) -> (DMatrix<f64>, DVector<f64>) {
-        let columns = self.half.len();
-        let root = self.factor.inverse_columns();
-        let beta = root.chunks_exact(columns).map(|column| dot(column, &self.half));
-        (DMatrix::from_vec(columns, columns, gram_of(&root, columns)), DVector::from_iterator(columns, beta))
-    }
 }
 
 /// Sums of a part, or of all.
@@ -186,6 +180,7 @@ struct Sums {
     gradient: DVector<f64>,
     /// Of the whitened sources.
     gram: DMatrix<f64>,
+    /// R⁻¹ Xᵀ times them.
     along: DMatrix<f64>,
     scores: Vec<f64>,
     lag: (f64, f64),
@@ -256,9 +251,8 @@ impl Reml {
     fn slope_of(&self, variances: &[f64], wanted: &[bool]) -> Option<Slope> {
         let whitened = self.whitened(variances)?;
         let integrated = self.integrated(&whitened)?;
-        let (inverse, beta) = integrated.solved();
         let both: Vec<(&Part, &Whitened)> = self.parts.iter().zip(&whitened).collect();
-        let sums = each_part(&both, |(part, whitened)| self.sums(part, whitened, wanted, &inverse, &beta));
+        let sums = each_part(&both, |(part, whitened)| self.sums(part, whitened, wanted, &integrated));
         let (sources, columns) = (self.sources, self.columns);
         let mut total = Sums {
             gradient: DVector::zeros(sources),
@@ -282,7 +276,7 @@ impl Reml {
         Some(Slope {
             deviance: integrated.deviance,
             gradient: total.gradient,
-            information: total.gram - total.along.transpose() * &inverse * &total.along,
+            information: total.gram - total.along.transpose() * &total.along,
             scores: DMatrix::from_vec(sources, rows, total.scores),
             lag: total.lag,
             powers: total.powers,
@@ -411,18 +405,11 @@ impl Reml {
         deviance.is_finite().then_some(Integrated { deviance, factor, half })
     }
 
-    fn sums(
-        &self,
-        part: &Part,
-        whitened: &Whitened,
-        wanted: &[bool],
-        inverse: &DMatrix<f64>,
-        beta: &DVector<f64>,
-    ) -> Sums {
-        let (sources, columns, values) = (self.sources, self.columns, part.values);
-        let x = DMatrixView::from_slice(&whitened.cells[..columns * values], values, columns);
-        let weighed = x * inverse;
-        let left = DVector::from_column_slice(&whitened.cells[columns * values..(columns + 1) * values]) - x * beta;
+    fn sums(&self, part: &Part, whitened: &Whitened, wanted: &[bool], integrated: &Integrated) -> Sums {
+        let (sources, columns) = (self.sources, self.columns);
+        // R⁻¹ x of each value: products of two of these are the covariance that the free numbers cause.
+        let reduced = integrated.factor.forward_all(whitened.x.clone());
+        let of_values = |values: Range<usize>| &reduced[values.start * columns..values.end * columns];
         let mut sums = Sums {
             gradient: DVector::zeros(sources),
             gram: DMatrix::zeros(sources, sources),
@@ -432,29 +419,18 @@ impl Reml {
             powers: (0.0, 0.0),
             used: 0.0,
         };
+        let left: Vec<f64> =
+            whitened.y.iter().enumerate().map(|(k, y)| y - dot(of_values(k..k + 1), &integrated.half)).collect();
         let mut at_factor = 0;
         let mut moved: Vec<Vec<f64>> = vec![Vec::new(); sources];
-        let (mut hat, mut c) = (Vec::new(), Vec::new());
+        let mut c = Vec::new();
         for (index, row) in part.rows.iter().enumerate() {
             let (h, first) = (row.height, row.first);
             let own = first..first + h;
             let factor = &whitened.factors[at_factor..at_factor + h * h];
             at_factor += h * h;
-            let left_here = &left.as_slice()[own.clone()];
-            hat.clear();
-            hat.resize(h * h, 0.0);
-            let (w, x) = (&weighed.as_slice()[first..], &whitened.cells[first..columns * values]);
-            match h {
-                3 => add_hat::<3>(w, x, values, &mut hat),
-                6 => add_hat::<6>(w, x, values, &mut hat),
-                _ => {
-                    for (w, x) in w.chunks(values).zip(x.chunks(values)) {
-                        for (hat, x) in hat.chunks_exact_mut(h).zip(x) {
-                            hat.iter_mut().zip(w).for_each(|(cell, w)| *cell += w * x);
-                        }
-                    }
-                }
-            }
+            let left_here = &left[own.clone()];
+            let hat = if columns == 0 { vec![0.0; h * h] } else { gram_of(of_values(own.clone()), columns) };
             sums.used += (0..h).map(|k| hat[k * h + k]).sum::<f64>();
             for moved in &mut moved {
                 moved.clear();
@@ -470,7 +446,8 @@ impl Reml {
                     for k in 0..h {
                         let through: f64 = (0..h).map(|i| hat[k * h + i] * c[i]).sum();
                         trace += c[k] * (c[k] - through);
-                        moved[of.source][k] += c[k] * pull;
+                        // The opposite, as it is taken away below.
+                        moved[of.source][k] -= c[k] * pull;
                     }
                     sums.scores[index * sources + of.source] += trace - pull * pull;
                 }
@@ -484,45 +461,20 @@ impl Reml {
                 for &l in &here {
                     sums.gram[(k, l)] += moved[k].iter().zip(&moved[l]).map(|(a, b)| a * b).sum::<f64>();
                 }
-            }
-            for column in 0..columns {
-                let x = &whitened.cells[column * values..][own.clone()];
-                for &k in &here {
-                    sums.along[(column, k)] += x.iter().zip(&moved[k]).map(|(a, b)| a * b).sum::<f64>();
-                }
+                subtract(of_values(own.clone()), &moved[k], &mut sums.along.as_mut_slice()[k * columns..][..columns]);
             }
             for e in left_here {
                 sums.powers = (sums.powers.0 + e * e, sums.powers.1 + e.powi(4));
             }
             if row.has_next && index + 1 < part.rows.len() {
                 // The fit correlates the residuals of independent rows: their expected product is minus this.
-                let next = &left.as_slice()[first + h..first + 2 * h];
-                let mut product: f64 = left_here.iter().zip(next).map(|(a, b)| a * b).sum();
-                for column in 0..columns {
-                    let (w, x) = (&weighed.as_slice()[column * values..], &whitened.cells[column * values..]);
-                    product += (0..h).map(|k| w[first + k] * x[first + h + k]).sum::<f64>();
-                }
+                let next = own.end..own.end + h;
+                let product: f64 = left_here.iter().zip(&left[next.clone()]).map(|(a, b)| a * b).sum();
+                let product = product + dot(of_values(own), of_values(next));
                 sums.lag = (sums.lag.0 + product, sums.lag.1 + h as f64);
             }
         }
         sums
-    }
-}
-
-/// Adds what the free numbers use up of a row of H values, column by column of both sides: Σ w xᵀ. H is known at compile time, so that the
-/// sums stay in registers.
-fn add_hat<const H: usize>(w: &[f64], x: &[f64], stride: usize, hat: &mut [f64]) {
-    let mut sums = [[0.0; H]; H];
-    for (w, x) in w.chunks(stride).zip(x.chunks(stride)) {
-        let (Some(w), Some(x)) = (w.first_chunk::<H>(), x.first_chunk::<H>()) else { continue };
-        for k in 0..H {
-            for i in 0..H {
-                sums[k][i] += w[i] * x[k];
-            }
-        }
-    }
-    for (cells, sums) in hat.chunks_exact_mut(H).zip(&sums) {
-        cells.iter_mut().zip(sums).for_each(|(cell, sum)| *cell += sum);
     }
 }
 
@@ -537,19 +489,18 @@ fn width_of(columns: usize) -> usize {
 
 fn part(rows: Vec<RowBlock>, columns: usize) -> Part {
     let values: usize = rows.iter().map(RowBlock::height).sum();
-    let mut cells = vec![0.0; values * width_of(columns)];
+    let mut x = vec![0.0; values * columns];
+    let mut y = Vec::with_capacity(values);
     let mut places = Vec::with_capacity(rows.len());
-    let mut first = 0;
     for row in rows {
-        let height = row.height();
+        let (height, first) = (row.height(), y.len());
         for (column, own) in row.columns.chunks_exact(height).enumerate() {
-            cells[column * values + first..][..height].copy_from_slice(own);
+            own.iter().enumerate().for_each(|(k, cell)| x[(first + k) * columns + column] = *cell);
         }
-        cells[columns * values + first..][..height].copy_from_slice(&row.residual);
+        y.extend_from_slice(&row.residual);
         places.push(RowPlace { first, height, factors: row.factors, has_next: row.has_next });
-        first += height;
     }
-    Part { rows: places, cells, values }
+    Part { rows: places, x, y }
 }
 
 fn whiten(part: &Part, variances: &[f64], columns: usize) -> Option<Whitened> {
@@ -578,19 +529,32 @@ fn whiten(part: &Part, variances: &[f64], columns: usize) -> Option<Whitened> {
         }
         log_determinant += factor_lower(block, h)?;
     }
-    let mut cells = part.cells.clone();
-    for column in 0..=columns {
-        let mut at = 0;
-        for row in &part.rows {
-            let h = row.height;
-            solve_lower(&factors[at..at + h * h], h, &mut cells[column * part.values + row.first..][..h]);
-            at += h * h;
+    let (mut x, mut y) = (part.x.clone(), part.y.clone());
+    let (mut at, mut times) = (0, Vec::new());
+    for row in &part.rows {
+        let (h, first) = (row.height, row.first);
+        let factor = &factors[at..at + h * h];
+        at += h * h;
+        solve_lower(factor, h, &mut y[first..first + h]);
+        for k in 0..h {
+            let (before, own) = x[first * columns..].split_at_mut(k * columns);
+            let own = &mut own[..columns];
+            times.clear();
+            times.extend((0..k).map(|j| factor[j * h + k]));
+            subtract(before, &times, own);
+            own.iter_mut().for_each(|cell| *cell /= factor[k * h + k]);
         }
     }
     let width = width_of(columns);
+    let values = y.len();
+    let mut cells = vec![0.0; width * values];
+    for (value, x) in x.chunks_exact(columns.max(1)).enumerate() {
+        x.iter().enumerate().for_each(|(column, cell)| cells[column * values + value] = *cell);
+    }
+    cells[columns * values..(columns + 1) * values].copy_from_slice(&y);
     let mut gram = vec![0.0; width * width];
-    add_gram(&cells, part.values, part.values, &mut gram);
-    Some(Whitened { cells, factors, log_determinant, gram })
+    add_gram(&cells, values, values, &mut gram);
+    Some(Whitened { x, y, factors, log_determinant, gram })
 }
 
 /// Replaces a symmetric matrix, given by its lower triangle column by column, by its factor L; returns the logarithm of its determinant.
