@@ -12,7 +12,7 @@ use crate::prior::SHARE_USED;
 use denavit_linear::gram::Problem;
 use denavit_linear::minimise::{Local, minimise};
 use denavit_linear::products::cross_gram;
-use denavit_linear::threads::{each_alone, on_this_thread};
+use denavit_linear::threads::{each_alone, in_parallel, on_this_thread};
 use denavit_linear::{Components, Part, Pull};
 use denavit_measurements::Measurements;
 use denavit_model::nalgebra::{DMatrix, DVector};
@@ -448,12 +448,10 @@ pub fn fitted(
     if anew {
         starts.push(start.as_large_as_noise(&parts));
     }
-    // Small matrices: one thread per part, and none within a part.
-    let found: Vec<_> = starts
-        .iter()
-        .filter_map(|start| if parts.len() > 1 { search(start) } else { on_this_thread(|| search(start)) })
-        .collect();
-    let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    // Small matrices: one thread per part and start, and none within a part.
+    let found =
+        in_parallel(&starts, |start| if parts.len() > 1 { search(start) } else { on_this_thread(|| search(start)) });
+    let best = found.into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1));
     best.map_or_else(|| start.clone(), |(numbers, _)| start.with(&numbers))
 }
 

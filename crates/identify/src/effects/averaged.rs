@@ -390,22 +390,25 @@ impl Motion {
             let column = if index < coefficients { index } else { index + kept.len() - coefficients };
             let covariance = &spread.covariance.as_slice()[column * size..][..size];
             for (axis, by) in axes.iter().zip(by.iter()) {
-                let (of_coefficients, of_placed) = axis.split_at(coefficients);
-                let by_places = by * dot(of_placed, &covariance[kept.len()..]);
-                sum += by * dot(of_coefficients, &covariance[..coefficients]) + by_places;
-                of_places += if index < coefficients { 0.0 } else { by_places };
+                // What comes before in the covariance, which is symmetric, and the variance itself.
+                let before = &axis[..index.min(coefficients)];
+                let places = &axis[before.len()..index];
+                let by_places = 2.0 * dot(places, &covariance[kept.len()..][..places.len()]) + by * covariance[column];
+                sum += by * (2.0 * dot(before, &covariance[..before.len()]) + by_places);
+                of_places += if index < coefficients { 0.0 } else { by * by_places };
             }
             for (own, along, waves) in &curves {
                 sum += 2.0 * by.dot(along) * dot(waves, &covariance[own.clone()]);
             }
         }
         for (index, (own, along, waves)) in curves.iter().enumerate() {
-            for (column, wave) in own.clone().zip(waves) {
+            for (before, (column, wave)) in own.clone().zip(waves).enumerate() {
                 let covariance = &spread.covariance.as_slice()[column * size..][..size];
                 for (other, across, others) in &curves[..index] {
                     sum += 2.0 * wave * along.dot(across) * dot(others, &covariance[other.clone()]);
                 }
-                sum += wave * along.norm_squared() * dot(waves, &covariance[own.clone()]);
+                let by_waves = 2.0 * dot(&waves[..before], &covariance[own.start..column]) + wave * covariance[column];
+                sum += wave * along.norm_squared() * by_waves;
             }
         }
         [sum, of_places].map(|sum| (sum / 3.0).max(0.0))
