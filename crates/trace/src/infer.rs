@@ -5,8 +5,8 @@
 //! y = G η + F φ + Σ_j C_j w_j + Σ_e A_e β_e + ε
 //! ```
 //! [`model`] describes each block of columns and its prior, [`evidence`] scores a model, [`maximum`] finds the hyperparameters,
-//! [`curves`] fits, [`contest`] compares sets of effects, [`named`] decides which of them are named, and `predictor` which others
-//! are included for the prediction.
+//! [`curves`] fits, [`contest`] compares sets of effects, [`named`] decides which of them are named, and which others are
+//! included for the prediction.
 
 pub mod contest;
 pub mod curves;
@@ -21,7 +21,6 @@ pub mod maximum;
 mod members;
 pub mod model;
 pub mod named;
-mod predictor;
 mod replicates;
 
 pub use curves::{CurveOptions, fit_curves};

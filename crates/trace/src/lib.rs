@@ -28,7 +28,7 @@ pub mod unexplained;
 
 use crate::infer::curves::{CurveFit, CurveOptions};
 use crate::infer::hypotheses::Open;
-use crate::infer::named::{Alternative, likely, sure};
+use crate::infer::named::{Alternative, sure};
 use denavit_identify::IdentifyOptions;
 use denavit_identify::effects::catalogue::Kind;
 use denavit_identify::effects::curve_modes::CurveModes;
@@ -119,12 +119,6 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Whether it is included for the prediction alone: neither it nor its rivals are likely, because unexplained structure, which
-    /// predicts nothing, explains as much.
-    pub fn stands_in(&self) -> bool {
-        !likely(self.probability, &self.rivals)
-    }
-
     /// Whether it would be certain, but the remaining unexplained structure is larger.
     pub fn is_outweighed(&self) -> bool {
         !self.named && sure(self.probability, self.found_again)

@@ -88,13 +88,7 @@ pub fn said(finding: &Finding, trace: &Trace) -> Said {
         all.insert(0, (finding.probability, own.clone()));
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         let model = if all[0].1 == own { "the model".to_owned() } else { format!("the model as {own}") };
-        let beside = if finding.stands_in() {
-            "; unexplained structure may account for as much"
-        } else if finding.is_outweighed() {
-            ", but there is more unexplained structure"
-        } else {
-            ""
-        };
+        let beside = if finding.is_outweighed() { ", but there is more unexplained structure" } else { "" };
         (format!("{alone}: {}", listed(&all)), format!("included in {model}, cause uncertain: {again}{beside}"), None)
     };
     Said { title, named: finding.named, numbers: finding.values.iter().map(number).collect(), why, rivals }

@@ -77,12 +77,6 @@ impl Gram {
         sum
     }
 
-    /// The sum of the products of all parts but one.
-    pub fn of_others(parts: &[Self], left_out: usize) -> Self {
-        let weights: Vec<f64> = (0..parts.len()).map(|part| f64::from(u8::from(part != left_out))).collect();
-        Self::weighted(parts, &weights)
-    }
-
     /// The products of `columns`; `readings[curve][row]` is what each curve is a function of.
     pub fn of(columns: &Columns<'_>, waves: &[Waves], readings: &[Vec<f64>]) -> Self {
         let plain = columns.plain.len();

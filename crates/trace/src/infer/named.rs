@@ -8,7 +8,6 @@ use crate::infer::hypotheses::{Cause, Open, OpenSet};
 use crate::infer::lines::beside_a_scale;
 use crate::infer::members::members;
 use crate::infer::model::Kernel;
-use crate::infer::predictor::Predictor;
 use crate::scorer::handicap;
 use denavit_identify::arm::Arm;
 use denavit_identify::effects::candidates::Candidate;
@@ -16,17 +15,15 @@ use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{KINDS, Kind};
 use denavit_identify::effects::curve::Curve;
 use denavit_identify::effects::driver::Driver;
-use denavit_identify::effects::history::History;
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::recorded::given_by_order;
 use denavit_identify::effects::survey::Survey;
 use denavit_identify::residual::ResidualModel;
 use denavit_identify::solve::{Fit, gross};
-use denavit_linear::threads::{each_alone, each_alone_until};
+use denavit_linear::threads::{each_alone, each_alone_until, in_parallel};
 use denavit_measurements::Measurements;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::cell::OnceCell;
 
 /// A cause is named from this probability on.
 const NAMED: f64 = 0.95;
@@ -86,7 +83,7 @@ pub struct Judged {
     pub gain: f64,
     /// Its rivals.
     pub rivals: Vec<Alternative>,
-    /// Whether it improves the prediction (`predictor`).
+    /// Whether it is included for the prediction.
     pub predicts: bool,
 }
 
@@ -208,7 +205,7 @@ pub(crate) fn judge(
     let place = |wanted: &Candidate| candidates.iter().position(|candidate| candidate.term == wanted.term);
     let start: Vec<usize> = question.start.iter().filter_map(place).collect();
     let (seen, settings) = contest.run(&round.gram, std::slice::from_ref(&start));
-    let Some((set, (_, suits))) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+    let Some((set, _)) = seen.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
         return Judgement::default();
     };
     let names: Vec<Name> = candidates.iter().map(|candidate| name(candidate, fit)).collect();
@@ -223,11 +220,10 @@ pub(crate) fn judge(
     let grounds = |contest: &Contest<'_>, gram: &Gram| -> Vec<Marginal> {
         kept.iter().filter_map(|&setting| contest.ground(gram, &settings[setting].1)).collect()
     };
-    let predictor = Predictor::new(&contest, &settings, &which, &round.parts);
-    let suffices = OnceCell::new();
-    let suffices = || *suffices.get_or_init(|| predictor.does_as_well_as(set, &settings[*suits].1));
+    let bare = without_structure(&contest, &settings, &which);
+    let (predicting, best) = (Masses::of(&bare, &names), best_of(&bare));
     let mut all = set.clone();
-    all.extend(predictor.set.iter().filter(|member| !set.contains(member)));
+    all.extend(best.iter().filter(|member| !set.contains(member)));
     // Without a probable cause, half-sample refits are not made.
     let others = if all.is_empty() { &[][..] } else { question.others };
     let elsewhere = each_alone(others, |other| {
@@ -238,15 +234,13 @@ pub(crate) fn judge(
         contest.climbed(&grounds(&contest, &entered.round.gram), &which)
     });
     // Each half starts from the run's best set, and from the start of that search.
-    let begin: Vec<Vec<usize>> = vec![set.clone(), predictor.set.clone(), start, Vec::new()];
+    let begin: Vec<Vec<usize>> = vec![set.clone(), best.clone(), start, Vec::new()];
     let search = |gram: &Gram| contest.best_from(&grounds(&contest, gram), &begin);
     let sought = |counted: f64, enough: &Enough<'_>| resampled(&round.parts, counted, &search, enough);
     let probability = |name: &Name| masses.log_present(name).exp();
     let named = |&member: &usize| (probability(&names[member]), &names[member]);
     let found_again = found_again(&all.iter().map(named).collect::<Vec<_>>(), &sought, &|set, name| holds(set, name));
     let there: Vec<Vec<usize>> = elsewhere.iter().map(best_of).collect();
-    let predicting = OnceCell::new();
-    let predicting = || predicting.get_or_init(|| Masses::of(&predictor.seen, &names));
     let members: Vec<Judged> = all
         .iter()
         .zip(found_again)
@@ -257,14 +251,10 @@ pub(crate) fn judge(
             gains.push(gain(&seen));
             let found_elsewhere = if there.is_empty() { 1.0 } else { share(&there, |set| holds(set, mine)) };
             let (probability, instead) = (probability(mine), masses.rivals(mine));
-            let predicting = || likely(predicting().log_present(mine).exp(), &predicting().rivals(mine));
-            // A cause that is included for the prediction must be possible with structure, or make it unnecessary; alone, it must improve
-            // the prediction of left-out rows.
-            let predicts = predictor.set.contains(&member)
-                && !follows_warmth(&candidates[member])
-                && predicting()
-                && (probability > RIVAL || suffices())
-                && (likely(probability, &instead) || predictor.pays(member));
+            // A cause that is included for the prediction must be likely with and without unexplained structure.
+            let predicts = best.contains(&member)
+                && likely(probability, &instead)
+                && likely(predicting.log_present(mine).exp(), &predicting.rivals(mine));
             Judged {
                 candidate: candidates[member].clone(),
                 probability,
@@ -389,11 +379,13 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
-/// Whether a cause follows the warming of a joint by its own motion. Left-out postures lie between others of the same run: a good
-/// prediction of them says nothing about another pace, at which the same cause may be many times as large.
-fn follows_warmth(candidate: &Candidate) -> bool {
-    let column = candidate.term.driver.covariate();
-    matches!(column.and_then(History::of_column), Some((_, History::Warmth { .. })))
+/// Every set found from these starts at their best settings without unexplained structure, which predicts nothing.
+fn without_structure(contest: &Contest<'_>, settings: &[(Marginal, Setting)], starts: &[Vec<usize>]) -> Seen {
+    let bare = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
+    let bare: Vec<&Marginal> = bare.map(|(ground, _)| ground).collect();
+    let suits = in_parallel(starts, |set| contest.best(bare.iter().copied(), set).1);
+    let grounds = bare.iter().enumerate().filter(|(place, _)| suits.contains(place)).map(|(_, ground)| (*ground).clone());
+    contest.climbed(&grounds.collect::<Vec<Marginal>>(), starts)
 }
 
 /// Posterior mass of sets, by the names of their members.
