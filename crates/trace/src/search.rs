@@ -7,21 +7,16 @@ use crate::scorer::{CandidateScorer, Scored, leaders};
 use crate::tracer::{State, Tracer};
 use denavit_identify::averaging::LEAST_REJECTED;
 use denavit_identify::effects::candidates::Candidate;
-use denavit_identify::effects::catalogue::Kind;
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::parameters::NoEffects;
 use denavit_identify::solve::Fit;
 use denavit_linear::threads::in_parallel;
 use denavit_measurements::Measurements;
-use denavit_measurements::kinds::ObservationKind;
 
 /// An effect must lower the information criterion by this much: odds of e^5 against chance, the search not counted.
 const LEAST_DELTA_BIC: f64 = 10.0;
 /// New scanned numbers that explain less than this (χ²) beyond the present ones count as the same.
 const SAME_DROP: f64 = 0.1;
-/// A larger residual per measured component, m, is no effect of a machine: only a joint whose reading includes another joint's angle
-/// leaves as much.
-const FAR_OFF: f64 = 0.02;
 /// An effect that explains less than this share of what the present one does is not a rival.
 const CONTENDS: f64 = 0.7;
 /// Number of rivals of each effect that are proposed.
@@ -109,22 +104,11 @@ impl Tracer<'_> {
         let linear = self.linear(state);
         let scorer = self.scorer(linear);
         let model = self.loosely_without(state, &[]);
-        let mut scored = self.scored(state, &model);
+        let scored = self.scored(state, &model);
         if scan.is_empty() {
             *scan = self.scan(&scored);
         }
-        if self.far_off(state) {
-            scored.retain(|scored| scored.candidate.term.kind == Kind::JointCoupling);
-        }
         self.best(&scorer, &model, &scored).map(|best| best.candidate)
-    }
-
-    /// Whether the residual is so large that readings must mean something else than angles between links: every cause would then be found.
-    fn far_off(&self, state: &State) -> bool {
-        let in_metres = self.data.scene.series.iter().all(|series| {
-            [ObservationKind::Position, ObservationKind::Pose, ObservationKind::Distance].contains(&series.kind)
-        });
-        in_metres && state.fit.noise.first() > FAR_OFF
     }
 
     /// Adds the terms of a state, the rivals of each, and the best that could still be added.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Poses that the report speaks of.
 pub const MORE_POSES: usize = 20;
 /// Number of candidates for them.
-const FEW_CANDIDATES: usize = 60;
+const FEW_CANDIDATES: usize = 40;
 
 impl Calibration {
     /// The possible sets of causes of the run; if no cause is uncertain, only the adopted model, with its geometry, effects and curves.

@@ -1,6 +1,5 @@
 //! Lines in a curve's spectrum: orders with a large share of its variance.
 
-use crate::infer::model::Kernel;
 use denavit_identify::effects::curve::Curve;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -11,8 +10,6 @@ const PLACES: usize = 600;
 const PER_PERIOD: f64 = 10.0;
 /// Smallest share of a curve's variance that counts as a line.
 const STANDS_OUT: f64 = 0.2;
-/// If more than this share of a curve remains without its best straight line, a scale does not explain it.
-const LEFT_OF_A_LINE: f64 = 0.5;
 /// Number of lines listed.
 const LISTED: usize = 3;
 
@@ -37,24 +34,6 @@ pub fn course(curve: &Curve) -> (Vec<(f64, f64)>, f64) {
     let mean = course.iter().map(|(_, y)| y).sum::<f64>() / PLACES as f64;
     let rms = (course.iter().map(|(_, y)| (y - mean).powi(2)).sum::<f64>() / PLACES as f64).sqrt();
     (course, rms)
-}
-
-/// The kernel of a curve next to a scale of its joint: that of the remainder after its best straight line. `None` if the line does
-/// not explain most of the curve.
-pub fn beside_a_scale(curve: &Curve) -> Option<Kernel> {
-    let (course, rms) = course(curve);
-    let count = course.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| course.iter().map(of).sum::<f64>() / count;
-    let (x, y) = (mean(&|place| place.0), mean(&|place| place.1));
-    let slope = mean(&|place| (place.0 - x) * (place.1 - y)) / mean(&|place| (place.0 - x).powi(2));
-    let left: Vec<f64> = course.iter().map(|place| place.1 - y - slope * (place.0 - x)).collect();
-    let size = (left.iter().map(|left| left * left).sum::<f64>() / count).sqrt();
-    let step = (curve.range.1 - curve.range.0) / (count - 1.0);
-    let steep = left.windows(2).map(|pair| ((pair[1] - pair[0]) / step).powi(2)).sum::<f64>() / (count - 1.0);
-    // A Matérn curve of smoothness 5/2 has slopes of variance 5/3 · (size/length)².
-    let length = (5.0f64 / 3.0).sqrt() * size / steep.sqrt();
-    let kernel = Kernel { log_variance: 2.0 * size.ln(), log_length: length.ln() };
-    (size < LEFT_OF_A_LINE * rms && kernel.log_variance.is_finite() && kernel.log_length.is_finite()).then_some(kernel)
 }
 
 /// Lines, the strongest first. Each is fitted with a constant and subtracted before the next is searched for.
@@ -109,38 +88,6 @@ fn sine(points: &[(f64, f64)], order: f64) -> (f64, f64, f64) {
 mod tests {
     use super::*;
     use denavit_identify::effects::curve::Waves;
-
-    #[test]
-    fn beside_a_scale_a_curve_is_what_the_line_leaves() {
-        let waves = Waves::over(-3.0, 3.0, false, 40.0, 200);
-        let Waves::Sines { low, width, count } = waves.clone() else { unreachable!() };
-        // A line of 1 mrad per rad as its sine series, and a wave of 0.1 mrad beside it.
-        let place = |k: usize| std::f64::consts::PI * (k + 1) as f64;
-        let line = |k: usize| {
-            let (n, middle) = (place(k), 0.5 * width);
-            -1e-3 * 2.0 * (width * n.cos() - middle * (n.cos() - 1.0)) / n
-        };
-        let mut weights: Vec<f64> = (0..count).map(line).collect();
-        let curve = |weights: &[f64]| Curve {
-            joint: 0,
-            waves: Waves::Sines { low, width, count },
-            weights: weights.to_vec(),
-            range: (-2.0, 2.0),
-            size: 1e-3,
-            length: 1.0,
-            spread: vec![0.0; 2],
-        };
-        weights[19] += 1e-4;
-        let kernel = beside_a_scale(&curve(&weights)).unwrap();
-        let (size, order) = (kernel.log_variance.exp().sqrt(), 20.0 * std::f64::consts::PI / width);
-        assert!((0.6e-4..1.1e-4).contains(&size), "{size}");
-        // The slope of a sine is its order times its size.
-        let length = kernel.log_length.exp() * order / (5.0f64 / 3.0).sqrt();
-        assert!((0.5..1.1).contains(&length), "{length}");
-        let mut wave = vec![0.0; count];
-        wave[19] = 1e-3;
-        assert_eq!(beside_a_scale(&curve(&wave)), None);
-    }
 
     #[test]
     fn a_sine_is_a_line_of_its_order() {

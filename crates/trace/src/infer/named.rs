@@ -5,7 +5,6 @@ use crate::infer::contest::{Contest, Marginal, Member, Seen, Setting, Unnamed, b
 use crate::infer::curves::{Round, State};
 use crate::infer::gram::Gram;
 use crate::infer::hypotheses::{Cause, Open, OpenSet};
-use crate::infer::lines::beside_a_scale;
 use crate::infer::members::members;
 use crate::infer::model::Kernel;
 use crate::scorer::handicap;
@@ -15,6 +14,7 @@ use denavit_identify::effects::carrier::Carrier;
 use denavit_identify::effects::catalogue::{KINDS, Kind};
 use denavit_identify::effects::curve::Curve;
 use denavit_identify::effects::driver::Driver;
+use denavit_identify::effects::history::History;
 use denavit_identify::effects::model::EffectModel;
 use denavit_identify::effects::recorded::given_by_order;
 use denavit_identify::effects::survey::Survey;
@@ -253,6 +253,7 @@ pub(crate) fn judge(
             let (probability, instead) = (probability(mine), masses.rivals(mine));
             // A cause that is included for the prediction must be likely with and without unexplained structure.
             let predicts = best.contains(&member)
+                && !follows_warmth(&candidates[member])
                 && likely(probability, &instead)
                 && likely(predicting.log_present(mine).exp(), &predicting.rivals(mine));
             Judged {
@@ -366,12 +367,11 @@ fn possible(
     possible
 }
 
-/// Kernels of a joint's curve in the fitted models, and with an added scale of the joint, which these models need not have.
+/// Kernels of a joint's curve in the fitted models.
 fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
-    let own = || curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
-    let beside = own().find_map(beside_a_scale);
+    let own = curves.iter().flat_map(|curves| curves.iter()).filter(|curve| curve.joint == joint);
     let mut kernels: Vec<Kernel> = Vec::new();
-    for kernel in own().map(Kernel::of).chain(beside) {
+    for kernel in own.map(Kernel::of) {
         if !kernels.contains(&kernel) {
             kernels.push(kernel);
         }
@@ -379,12 +379,20 @@ fn kernels_of(curves: &[&[Curve]], joint: usize) -> Vec<Kernel> {
     kernels
 }
 
+/// Whether a cause follows the warming of a joint by its own motion: at another pace than the run's the same cause may be many times as
+/// large.
+fn follows_warmth(candidate: &Candidate) -> bool {
+    let column = candidate.term.driver.covariate();
+    matches!(column.and_then(History::of_column), Some((_, History::Warmth { .. })))
+}
+
 /// Every set found from these starts at their best settings without unexplained structure, which predicts nothing.
 fn without_structure(contest: &Contest<'_>, settings: &[(Marginal, Setting)], starts: &[Vec<usize>]) -> Seen {
     let bare = settings.iter().filter(|(_, setting)| setting.unnamed.is_none());
     let bare: Vec<&Marginal> = bare.map(|(ground, _)| ground).collect();
     let suits = in_parallel(starts, |set| contest.best(bare.iter().copied(), set).1);
-    let grounds = bare.iter().enumerate().filter(|(place, _)| suits.contains(place)).map(|(_, ground)| (*ground).clone());
+    let grounds =
+        bare.iter().enumerate().filter(|(place, _)| suits.contains(place)).map(|(_, ground)| (*ground).clone());
     contest.climbed(&grounds.collect::<Vec<Marginal>>(), starts)
 }
 
