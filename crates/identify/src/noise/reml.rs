@@ -542,7 +542,9 @@ fn whiten(part: &Part, variances: &[f64], columns: usize) -> Option<Whitened> {
             times.clear();
             times.extend((0..k).map(|j| factor[j * h + k]));
             subtract(before, &times, own);
-            own.iter_mut().for_each(|cell| *cell /= factor[k * h + k]);
+            for cell in own {
+                *cell /= factor[k * h + k];
+            }
         }
     }
     let width = width_of(columns);

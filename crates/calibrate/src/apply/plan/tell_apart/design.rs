@@ -145,7 +145,9 @@ impl<'a> Design<'a> {
                     subtract(&covariances, &[innovation / variance], &mut self.now.apart[pair]);
                 }
                 let root = variance.sqrt().recip();
-                covariances.iter_mut().for_each(|cell| *cell *= root);
+                for cell in &mut covariances {
+                    *cell *= root;
+                }
                 own.shares.extend(covariances);
             }
             let new = &own.shares[known..];
@@ -247,7 +249,8 @@ impl<'a> Design<'a> {
         let size = values.len();
         let count = self.offered.predicted.len();
         let spread = |of: &Predicted| -> Vec<f64> {
-            let cell = |k: usize| of.covariance(values[k / size], values[k % size]) + f64::from(k % (size + 1) == 0);
+            let cell =
+                |k: usize| of.covariance(values[k / size], values[k % size]) + f64::from(k.is_multiple_of(size + 1));
             (0..size * size).map(cell).collect()
         };
         let spreads: Vec<Vec<f64>> = in_parallel(&self.offered.predicted, spread);
