@@ -325,9 +325,10 @@ pub fn calibrate_and_tell(
     let noise = || options.noise.then(|| noise_of(reached, geometry.2, &train)).flatten();
     let named = reached.map_or(geometry.1, |reached| reached.adopted);
     let found_here = found.as_ref().filter(|_| named == Adopted::Effects);
-    let unsure = found_here.filter(|found| found.findings.iter().any(|finding| !finding.named));
+    let entries = |of: bool| entries(found_here, of, chain);
+    let one_of = entries(false);
     let prospect = || {
-        let (found, reached) = (unsure?, reached?);
+        let (found, reached) = (found_here.filter(|_| !one_of.is_empty())?, reached?);
         let fit = || reached.fit.clone().into_owned();
         open::prospect(&open::open(Some(found), statics, &train, fit, &geometric.arm), &train)
     };
@@ -353,7 +354,6 @@ pub fn calibrate_and_tell(
         Ok(_) => (Adopted::Averaged, Information::of(plain), of_geometric_stage(plain, parameters, posterior)),
         Err(_) => (named, information, (parameters, posterior, differs)),
     };
-    let entries = |of: bool| entries(found_here, of, chain);
     let left = || match (&averaging, reached) {
         (Ok(averaging), _) => kept(&averaging.fit, &train),
         (Err(_), Some(reached)) => kept(&reached.fit, &train),
@@ -403,7 +403,7 @@ pub fn calibrate_and_tell(
         differs_from_drawing: differs,
         joint_zeros,
         effects: entries(true),
-        one_of: entries(false),
+        one_of,
         prospect,
         prediction: averaging.as_ref().ok().map(|averaging| Expected::of(averaging, &train)),
         curves: reached.map_or_else(Vec::new, |reached| CurveEntry::of_fit(&reached.fit, &reached.gains)),

@@ -3,7 +3,7 @@
 //! A new carrier is a variant of [`Carrier`], its arm in [`Carrier::directions`] and in [`Carrier::place`], and a term
 //! that uses it in [`super::candidates`]; the test `every_direction_does_what_its_action_says` then covers it.
 
-use crate::arm::{AlongSight, AxisBasis, Perturbation};
+use crate::arm::{AlongSight, Perturbation};
 use crate::effects::driver::{LinkEnd, Statics};
 use denavit_model::nalgebra::{Point3, Vector3, Vector6};
 use denavit_model::{Chain, ChainJoint, Screw};
@@ -117,7 +117,7 @@ impl Carrier {
             let own = statics.tips.all().iter().position(|tip| tip.joints[joint]);
             return own.map_or_else(Vec::new, |own| vec![Vec::new(); self.directions(statics, joints, own).len()]);
         }
-        let across = |i: usize| AxisBasis::of(&nominal[i].screw).carried(&nominal[i].screw, &joints[i].screw);
+        let across = |i: usize| statics.bases[i].carried(&nominal[i].screw, &joints[i].screw);
         let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
         let first = statics.on_the_way(tip).next().unwrap_or(joints.len());
         let end_of = |i: usize| statics.link_end(i, tip).expect("a joint that is not on the way has been dealt with");

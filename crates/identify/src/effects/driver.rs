@@ -82,7 +82,7 @@ pub enum Driver<C = Column> {
         /// Torque at which the compliance is half, N·m (N for a slide).
         knee: f64,
     },
-    /// Gravity's moment across a joint's axis, N·m: two values, about [`AxisBasis::a`](crate::arm::AxisBasis::a) and [`AxisBasis::b`](crate::arm::AxisBasis::b).
+    /// Gravity's moment across a joint's axis, N·m: two values, about a and b of its [`AxisBasis`](crate::arm::AxisBasis).
     MomentAcross(usize),
     /// Turn and shift of the end of a joint's link as a round cantilever of unit flexural rigidity (1 N·m²): six values.
     Cantilever(usize),

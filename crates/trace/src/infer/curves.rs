@@ -321,7 +321,6 @@ fn asked_for(
 
 /// A linearisation with the columns of the model in its rows.
 pub(super) struct Laid {
-    /// Its geometry has only the rows after those of the data; its carriers have no columns.
     pub(super) linear: Linear,
     /// Geometry and frames, then effects: those of the fit, or candidates and other columns.
     pub(super) plain: Vec<Vec<f64>>,
@@ -350,7 +349,7 @@ impl Laid {
                 carriers.push(carrier);
             }
         }
-        let mut linear = linearise(data, fit, reference, &carriers);
+        let linear = linearise(data, fit, reference, &carriers);
         let values = linear.values();
         let column = |matrix: &'_ DMatrix<f64>, index: usize| -> Vec<f64> {
             matrix.column(index).rows(0, values).iter().map(|cell| -cell).collect()
@@ -368,9 +367,6 @@ impl Laid {
             ranges.push(plain.len()..plain.len() + columns.ncols());
             plain.extend((0..columns.ncols()).map(|k| column(&columns, k)));
         }
-        // Of a long run the columns take most of the memory, and are needed once.
-        linear.geometry = linear.geometry.rows(values, linear.geometry.nrows() - values).into_owned();
-        linear.carriers = DMatrix::zeros(0, 0);
         Self { linear, plain, joints, always, candidates: ranges }
     }
 }
@@ -788,7 +784,7 @@ fn prior(
         charge -= pull[i] * perturbation[i];
     }
     // The common frame is held as in a fit: these rows come last in the linearisation.
-    let held = linear.geometry.nrows() - joints;
+    let held = linear.geometry.nrows() - linear.values() - joints;
     let frame = linear.geometry.rows(linear.geometry.nrows() - held, held);
     let holding = frame.transpose() * frame;
     let mut block = precision.view_mut((0, 0), (geometry, geometry));

@@ -85,7 +85,7 @@ pub struct Statics {
     /// For each joint, the joint that carries it.
     pub(super) carriers: Vec<Option<usize>>,
     /// For each joint, directions across its axis.
-    pub(super) bases: Vec<AxisBasis>,
+    pub(in crate::effects) bases: Vec<AxisBasis>,
 }
 
 /// Where a link ends on the way to a tip.

@@ -86,8 +86,7 @@ impl Statics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::Arm;
-    use crate::arm::AxisBasis;
+    use crate::arm::{Arm, AxisBasis};
     use crate::effects::driver::Conditions;
     use denavit_measurements::RecordedRow;
     use denavit_model::examples;

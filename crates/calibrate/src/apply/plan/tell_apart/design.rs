@@ -261,7 +261,7 @@ impl<'a> Design<'a> {
         });
         let of = |pair: usize| {
             let (a, b) = (pair / count, pair % count);
-            let (Some((own, _)), Some((other, inverse))) = (&solved[a], &solved[b]) else {
+            let (Some((log_own, _)), Some((log_other, inverse))) = (&solved[a], &solved[b]) else {
                 return Separation { true_one: a, other: b, rise: 0.0 };
             };
             let expected = |index: usize| &self.offered.predicted[index].expected;
@@ -269,7 +269,7 @@ impl<'a> Design<'a> {
             let along = inverse.chunks_exact(size.max(1)).map(|row| dot(row, &apart));
             let square = along.zip(&apart).map(|(along, apart)| along * apart).sum::<f64>() / self.offered.noise;
             let trace = dot(inverse, &spreads[a]);
-            let rise = 0.5 * (trace - size as f64 + square + other - own);
+            let rise = 0.5 * (trace - size as f64 + square + log_other - log_own);
             Separation { true_one: a, other: b, rise: rise.max(0.0) }
         };
         self.pairs().map(of).collect()
